@@ -172,7 +172,7 @@ fn what_measures_answers_and_reports_show_is_checked() {
         let by = |file: &str| found.iter().any(|(of, _)| of.contains(file));
         // The kinds of files that show what is wrong; pictures know nothing of the words of a decision.
         let files: &[&str] = match defect.name {
-            "the predicted order drawn as the fitted line" => &["-h.svg", "-k.svg", "forest.svg"],
+            "the predicted order shown as the observed one" => &["forest.svg"],
             "the forest against the order 1" => &["-k.svg", "forest.svg"],
             "intervals of a report half as wide" => &["forest.svg"],
             "a failed verdict shown as a pass" => &["junit.xml"],

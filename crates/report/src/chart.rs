@@ -32,8 +32,6 @@ pub enum Part {
     Points(Vec<Datum>),
     /// Shown but not counted.
     Hollow(Vec<Datum>),
-    /// A light area with these corners.
-    Band(Vec<Datum>),
 }
 
 /// One name: one colour, one marker shape, one entry of the legend.
@@ -98,7 +96,7 @@ impl Series {
 
     /// Its first line and its markers, filled.
     fn samples(&self) -> Vec<&Part> {
-        let line = self.parts.iter().find(|part| part.layer() == 1);
+        let line = self.parts.iter().find(|part| !part.has_markers());
         let marker = self.parts.iter().find(|part| part.has_markers());
         line.into_iter().chain(marker).collect()
     }
@@ -126,22 +124,12 @@ impl Part {
             | Part::Dotted(points)
             | Part::Broken(_, points)
             | Part::Points(points)
-            | Part::Hollow(points)
-            | Part::Band(points) => points,
+            | Part::Hollow(points) => points,
         }
     }
 
     pub(super) fn has_markers(&self) -> bool {
-        self.layer() == 2
-    }
-
-    /// Areas lie below lines, lines below markers.
-    fn layer(&self) -> usize {
-        match self {
-            Part::Band(_) => 0,
-            Part::Points(_) | Part::Hollow(_) => 2,
-            _ => 1,
-        }
+        matches!(self, Part::Points(_) | Part::Hollow(_))
     }
 
     /// Draws an uninterrupted run of places as this part is drawn, by colour and shape.
@@ -156,7 +144,6 @@ impl Part {
             Part::Dashed(_) => canvas.dashed(run, ink, DASHES),
             Part::Dotted(_) => canvas.dashed(run, ink, DOTS),
             Part::Broken(pattern, _) => canvas.dashed(run, ink, *pattern),
-            Part::Band(_) => canvas.fill(run, ink, 0.22),
             Part::Points(_) => run.iter().for_each(|at| canvas.marker(*at, shape, ink, false)),
             Part::Hollow(_) => run.iter().for_each(|at| canvas.marker(*at, shape, ink, true)),
         }
@@ -191,9 +178,10 @@ impl Chart {
         frame.draw(&mut canvas, [&self.x.label, &self.y.label]);
         canvas.line_box(layout.room, INK, 3);
         draw_marks(&mut canvas, &frame, self);
-        for layer in 0..3 {
+        // Lines lie below markers.
+        for markers in [false, true] {
             for (series, ink) in self.series.iter().zip(self.inks()) {
-                for part in series.parts.iter().filter(|part| part.layer() == layer) {
+                for part in series.parts.iter().filter(|part| part.has_markers() == markers) {
                     self.runs(&frame, part).iter().for_each(|run| part.draw(&mut canvas, run, ink));
                 }
             }

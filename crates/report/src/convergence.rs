@@ -1,4 +1,4 @@
-//! Error against h, and against k: one curve per norm, with prediction and fit.
+//! Error against h, and against k: one curve per norm, with a triangle of the predicted order.
 
 use std::mem::discriminant;
 
@@ -90,12 +90,7 @@ fn step_name<'a>(
 }
 
 fn series(curve: &Curve<'_>, label: &str, level: Option<String>, floor: Vec<Datum>) -> Series {
-    let fitted = fitted(curve);
-    let mut parts = match &fitted {
-        Some(fit) => fit.to_vec(),
-        None => vec![Part::Line(curve.used.clone())],
-    };
-    parts.push(Part::Points(curve.used.clone()));
+    let mut parts = vec![Part::Line(curve.used.clone()), Part::Points(curve.used.clone())];
     let rest = [Part::Hollow(curve.left_out.clone()), Part::Dashed(floor)];
     parts.extend(rest.into_iter().filter(|part| !part.points().is_empty()));
     let mut series = Series::new(label, parts);
@@ -108,26 +103,10 @@ fn series(curve: &Curve<'_>, label: &str, level: Option<String>, floor: Vec<Datu
     series
 }
 
-/// The fitted line through the centre of the points, and the lines of the interval's ends.
-fn fitted(curve: &Curve<'_>) -> Option<[Part; 3]> {
-    let (order, [lo, hi]) = curve.verdict.and_then(|v| v.observed.zip(v.interval))?;
-    let (a, b) = (curve.used.first()?.0, curve.used.last()?.0);
-    let count = curve.used.len() as f64;
-    let mean = |f: fn(&Datum) -> f64| curve.used.iter().map(f).sum::<f64>() / count;
-    let (x, y) = (mean(|point| point.0.ln()), mean(|point| point.1.ln()));
-    let at = |step: f64, slope: f64| (step, (y + slope * (step.ln() - x)).exp());
-    let centre = (x.exp(), y.exp());
-    let band = |end: f64| Part::Band(vec![at(end, lo), centre, at(end, hi)]);
-    Some([band(a), band(b), Part::Line(vec![at(a, order), at(b, order)])])
-}
-
 /// Explains the signs that occur.
 fn keys(series: &[Series]) -> Vec<(Part, String)> {
-    let keys = [
-        (Part::Band(Vec::new()), "fitted line, its interval"),
-        (Part::Hollow(Vec::new()), "left out"),
-        (Part::Dashed(Vec::new()), "floor of the error"),
-    ];
+    let keys =
+        [(Part::Hollow(Vec::new()), "left out"), (Part::Dashed(Vec::new()), "floor of the error")];
     let occurs = |key: &Part| {
         let mut parts = series.iter().flat_map(|series| &series.parts);
         parts.any(|part| discriminant(part) == discriminant(key))

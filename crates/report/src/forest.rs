@@ -14,10 +14,11 @@ const TEXT: f64 = 20.0;
 const NORM: f64 = 448.0;
 const AXIS: (f64, f64) = (466.0, 734.0);
 const PREDICTION: f64 = 752.0;
-/// Ends of the axis of observed minus predicted order; what exceeds it gets an arrow.
-const RANGE: (f64, f64) = (-0.5, 1.0);
+/// Ends of the axis of observed minus predicted order, on which a lost order of one has its place; what exceeds it gets an
+/// arrow, and an interval beyond it the number.
+const RANGE: (f64, f64) = (-1.25, 1.0);
 /// Labelled ticks.
-const TICKS: [(f64, &str); 4] = [(-0.5, "−½"), (0.0, "0"), (0.5, "+½"), (1.0, "+1")];
+const TICKS: [(f64, &str); 5] = [(-1.0, "−1"), (-0.5, "−½"), (0.0, "0"), (0.5, "+½"), (1.0, "+1")];
 const POINT: f64 = 6.0;
 
 #[derive(Debug, Clone, PartialEq)]
@@ -162,6 +163,13 @@ fn draw_row(canvas: &mut Canvas, left: f64, y: f64, named: &str, row: &Row) {
         }
     }
     let at = (left + across(order), y);
+    if across(lo) == across(hi) {
+        let (beside, anchor) = match order < 0.0 {
+            true => (at.0 + 2.0 * POINT, Anchor::Left),
+            false => (at.0 - 2.0 * POINT, Anchor::Right),
+        };
+        canvas.text(&format!("{order:+.2}").replace('-', "−"), (beside, y), anchor);
+    }
     match row.decision {
         Decision::Pass => canvas.fill_box(square(at, POINT), ink, 1.0),
         Decision::Fail | Decision::Unresolved => {
@@ -223,6 +231,17 @@ mod tests {
             }
         }
         assert!(svg(&columns(&[], 2)).is_none());
+    }
+
+    /// A lost order of one is on the axis, one of two has its number.
+    #[test]
+    fn lost_orders_are_read_off() {
+        let of = |apart: [f64; 3]| without(&svg(&[vec![row("s", Some(apart), false)]]).unwrap());
+        let polygons = |svg: &str| svg.matches("<polygon").count();
+        assert_eq!(polygons(&of([-1.1, -1.0, -0.9])), polygons(&of([-0.1, 0.0, 0.1])), "no arrow");
+        let beyond = of([-2.1, -2.0, -1.9]);
+        assert!(beyond.contains("−2.00"), "{beyond}");
+        assert!(!of([-1.1, -1.0, -0.9]).contains("−1.00"));
     }
 
     /// Orders off the axis, missed or missing differ from met ones.

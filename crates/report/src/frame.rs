@@ -71,7 +71,7 @@ impl Frame {
         left + self.x.share(x) * (right - left)
     }
 
-    /// Clamped to the frame, which a fitted line may leave.
+    /// Clamped to the frame.
     pub(super) fn up(&self, y: f64) -> f64 {
         let [_, top, _, bottom] = self.room;
         bottom - self.y.share(y).clamp(0.0, 1.0) * (bottom - top)

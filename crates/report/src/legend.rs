@@ -34,10 +34,6 @@ impl<'a> Legend<'a> {
         for part in parts {
             let sample = match part {
                 Part::Points(_) | Part::Hollow(_) => vec![(0.5 * (left + right), y)],
-                Part::Band(_) => {
-                    let (above, below) = (y - 12.0, y + 12.0);
-                    vec![(left, above), (right, above), (right, below), (left, below)]
-                }
                 _ => vec![(left, y), (right, y)],
             };
             part.draw(self.canvas, &sample, ink);

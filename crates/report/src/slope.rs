@@ -61,7 +61,6 @@ fn drawn(chart: &Chart, frame: &Frame) -> Vec<Segment> {
         for run in chart.runs(frame, part) {
             match part {
                 Part::Points(_) | Part::Hollow(_) => segments.extend(run.iter().map(|p| [*p, *p])),
-                Part::Band(_) => segments.extend(edges(&run)),
                 _ => segments.extend(run.windows(2).map(|pair| [pair[0], pair[1]])),
             }
         }

@@ -1,4 +1,4 @@
-//! The judged errors of a scene, small enough for a card: points, fitted line, the order at its end.
+//! The judged errors of a scene, small enough for a card: points, the line through them, the order at its end.
 
 use super::chart::{Axis, Chart, Part, Series};
 use super::curve::{Curve, curves};

@@ -445,7 +445,7 @@ fn verdicts((records, mut verdicts): Shown, change: impl Fn(&mut Verdict)) -> Sh
 pub fn shown() -> Vec<Defect> {
     let of = |name, shown: fn(Shown) -> Shown| Defect { shown, ..Defect::none(Term::Report, name) };
     vec![
-        of("the predicted order drawn as the fitted line", |shown| {
+        of("the predicted order shown as the observed one", |shown| {
             verdicts(shown, |verdict| verdict.observed = Some(verdict.predicted))
         }),
         of("h and k exchanged in a report", |shown| with(shown, |numbers| numbers.swap(0, 1))),
