@@ -35,14 +35,7 @@ sweep fit errors.csv --p 2                              is it second order?\n  \
 program | sweep fit - --dimension 2 --p L2=2,H1=1       a printed table, h from its cells\n  \
 sweep fit errors.csv --p 1 --window 0.01,0.1            of some meshes alone\n  \
 sweep fit errors.csv --latex --svg errors.svg           the table and the picture for a paper\n\n\
-JSON keys with --json: one object per table and direction, with scene, norm, variable (h, k, joint, path), \
-predicted, observed (order is the same), interval, verdict, reason, at_least, exact, tolerance, read, and
-  h, k of errors: probability, local_slopes, coarse_left_out, floor_from, log, reference, constant, constant_interval, next, points_used, points_left_out
-  joint: probability, predicted_k, observed_k, interval_k, models, better, constants
-  path (k = c h^s): probability, exponent, path_constant, local_slopes, predicted_k, next
-  h, k of values: probability, behaviour, finest, extrapolated, order_of_last_three, gci, half_range, eca_hoekstra, caution, next, points_used
-
-Exit codes: 0 without --p and --q, or if all verdicts pass; 1 if one fails or is unresolved; 2 if the table \
+Keys of --json: docs/JSON.md.\n\nExit codes: 0 without --p and --q, or if all verdicts pass; 1 if one fails or is unresolved; 2 if the table \
 cannot be read."
 )]
 pub(crate) struct Fit {

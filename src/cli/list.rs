@@ -11,9 +11,7 @@ use studies::portrait::scene_picture;
 
 /// `sweep list`.
 #[derive(Args)]
-#[command(
-    after_help = "JSON keys with --json: name, question, terms, truth, predicts, long, judge, file (null where the scene is inside the program)."
-)]
+#[command(after_help = "Keys of --json: docs/JSON.md.")]
 pub(crate) struct List {
     /// Names of scenes, or paths of TOML files [default: all]
     scene: Vec<String>,

@@ -28,7 +28,7 @@ pub(super) const BASELINE: &str = "reports/baseline.json";
 /// `sweep run`.
 #[derive(Args)]
 #[command(
-    after_help = "JSON keys with --json are those of verdict.json (provenance, verdicts, failures; baseline, where the run was compared with reports/baseline.json: scenes, compared, not_recorded, owed with verdicts and constants, owed_not_said, deviations with scene, n, steps, norm, variable, kind, recorded, found, verdict, reason), and references, for scenes with given loads: scene and order, measured_order, reference_error, finest (measured, with the reference's error). With --list-cases: cases with key, scene, n, steps, memory_bytes (as predicted, of a process that runs this case alone).\n\nMany processes: `sweep run … --list-cases > cases.txt`, for some of its lines `sweep run … --only KEY… --out parts/0`, and at the end `sweep merge parts --cases cases.txt --out merged`."
+    after_help = "With --json the output is verdict.json, whose keys are in docs/JSON.md.\n\nMany processes: `sweep run … --list-cases > cases.txt`, for some of its lines `sweep run … --only KEY… --out parts/0`, and at the end `sweep merge parts --cases cases.txt --out merged`."
 )]
 pub(crate) struct Run {
     #[command(flatten)]
@@ -98,8 +98,8 @@ impl Run {
         if !self.only.is_empty() {
             return self.record(scenes);
         }
-        // Named scenes are explored; only the main job is compared.
-        let compared = !self.what.chosen.named();
+        // Named scenes are explored: they are compared with a baseline that is named too.
+        let compared = !self.what.chosen.named() || self.what.baseline.is_some();
         let swept = self.what.sweep(scenes, self.what.plans(scenes)?, self.resume, compared)?;
         swept.write(&self.what.out)?;
         if self.json {

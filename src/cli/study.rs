@@ -37,7 +37,7 @@ pub(super) fn show(findings: &Findings, out: Option<&Path>, as_json: bool) -> Re
 #[derive(Args)]
 #[command(
     after_help = "Every inequality is a claim: measured factors <= sharpened <= (3.15) at each step size of a ladder, thresholds in their order, samples of the law <= what it declares. A step has lost its solution where Newton's method finds none from the solution at the largest smaller k, that of the run and random states, or only one whose tangent is singular or beyond: bisected in k. \
-JSON keys with --json: scene, fingerprint (of its text), holds, claims (line, says, n, steps, level, at, left, relation, right, low, difference, accuracy, tightness, standing, holds, note), n, steps, constants (name, value, uncertainty, how, safe, note), thresholds (paper_norm, theorem, sharpened, solvable, norm_one, radius_one, loss, loss_reason, loss_eigenvalue, not_followed: why norm_one, radius_one and loss are null and rungs is empty, where m0 <= 0), ratio, worst, levels (level, t, k, norm, radius, sharpened), starts (same, distinct, failed), rungs (k, norm, radius, rightmost, distinct, finite_worst, sharpened, theorem, paper_norm, newton, fixed_point, at_solution), m0_unknown (between what m0 lies, where its sign is unknown; else null). Files with --out: SCENE-bound.json, SCENE-bound-claims.csv, SCENE-bound.svg. Exit code 1: a claim does not hold."
+Keys of --json: docs/JSON.md. Files with --out: SCENE-bound.json, SCENE-bound-claims.csv, SCENE-bound.svg. Exit code 1: a claim does not hold."
 )]
 pub(crate) struct BoundCommand {
     /// Name of a scene, or path of a TOML file
@@ -90,7 +90,7 @@ impl BoundCommand {
 /// `sweep gronwall`.
 #[derive(Args)]
 #[command(
-    after_help = "Effectivity = bound / measured error. The chain e <= weighted envelope <= primed envelope <= closed form, primed <= printed envelope <= its closed form is claimed at every n of every run. So is that the difference of two solutions under perturbed loads stays below its recurrence. Exit code 1: a claim fails; it is named with the first n at which it does.\n\nJSON keys with --json: scene, fingerprint (of its text), holds, claims (line, says, n, steps, level, at, left, relation, right, low, difference, accuracy, tightness, standing, holds, note), n, truth, constants (m0, beta_phi, lipschitz = |R||q| or that of S, C1, C2; of a body: yielding = mu L_kappa sqrt|Omega|, memory_norm, c_j_squared_bound; abstract: m_A, alpha_phi, alpha_j, c_j_squared, r_norm, q_norm), grids (steps, k, C2_k, error_end, error_max, truncation_end, truncation_max, floor, effectivity of weighted, primed, closed, printed, printed_closed: each at_end, least).\n\nFiles with --out: SCENE-gronwall.csv (every level of every run), SCENE-gronwall.json, SCENE-gronwall-claims.csv, SCENE-gronwall-envelope.svg."
+    after_help = "Effectivity = bound / measured error. The chain e <= weighted envelope <= primed envelope <= closed form, primed <= printed envelope <= its closed form is claimed at every n of every run. So is that the difference of two solutions under perturbed loads stays below its recurrence. Exit code 1: a claim fails; it is named with the first n at which it does.\n\nKeys of --json: docs/JSON.md.\n\nFiles with --out: SCENE-gronwall.csv (every level of every run), SCENE-gronwall.json, SCENE-gronwall-claims.csv, SCENE-gronwall-envelope.svg."
 )]
 pub(crate) struct Gronwall {
     /// Name of a scene, or path of a TOML file
@@ -153,7 +153,7 @@ const FINEST: u32 = 64;
 #[derive(Args)]
 #[command(
     after_help = "Eight inequalities of the proofs, (2.9), (4.7), (4.9), (4.14), (4.16), (4.17), (4.20) and (5.23), at every level, on the numbers of the solver and of the exact solution, by the boundary rule of the scene; what that rule and the load vector add to (4.9) is E_q. A claim is an inequality in a run, at the level where it is tightest: both sides, what rounding allows, left/right. \
-JSON keys with --json: scene, fingerprint (of its text), holds, claims (line, says, n, steps, level, at, left, relation, right, low, difference, accuracy, tightness, standing: \"pass\", \"fail\" or \"unresolved\", holds, note: why not), theorem, rule, constants (m_A, L_A, alpha_phi, beta_phi, alpha_j, c_j_squared, c_j_source, c0, c1, history, m0). Files with --out: SCENE-audit.json, SCENE-audit-claims.csv. \
+Keys of --json: docs/JSON.md. Files with --out: SCENE-audit.json, SCENE-audit-claims.csv. \
 Exit code 1: an inequality is violated beyond its accuracy or has no defined constant (m0 <= 0)."
 )]
 pub(crate) struct Audit {
@@ -203,7 +203,7 @@ impl Audit {
 /// `sweep trade`.
 #[derive(Args)]
 #[command(
-    after_help = "Each case is run once from the mesh to the last step. Its error is recorded, and its CPU seconds on one thread of this machine, without the time to measure the error. Settings and elements are changed one at a time on the same grid. A factor below 1.25 between two times is no difference. docs/TRADE.md explains every number.\n\nFiles in --out: SCENE-trade.csv (a row a case; failures have status `failed`), SCENE-trade-claims.csv, SCENE-trade.json, SCENE-trade.svg (error against time).\n\nJSON keys with --json: scene, fingerprint (of its text), holds, claims (line, says, n, steps, level, at: the setting, left, relation, right, low, difference, accuracy, tightness, standing, holds, note), norm, size (largest strain norm of the truth), trials (scene, change: what is different from the scene as written, n, steps, h, k, dofs, norm, error, floor, cpu_seconds, load_share, history_bytes, newton_iterations, factorizations, status, reason, front: no run is as good in time and error and better in one, errors within 1 % being one), models (change; error_model: model, space and time with constant, order, interval; source, residual; cost_model: parts, seconds per run, per cell, per cell and level, per operation of a factorization, per operation and level; residual), coupling (exponent, factor, space_share, cost_exponent), prices (what a change does to the largest run with and without it: n, steps, speed, error), candidates and of these the cheapest, answer (target, n, steps, h, k, change, error, cpu_seconds, bytes), confirmed (error, cpu_seconds, ratios: predicted over real). Exit code 1: a run fails or has no error but rounding, the model of the error is off by more than a fourth at a run, or the run of --confirm misses the target by more than that. Exit code 2: no error can be measured, or none of the wanted size is in reach."
+    after_help = "Each case is run once from the mesh to the last step. Its error is recorded, and its CPU seconds on one thread of this machine, without the time to measure the error. Settings and elements are changed one at a time on the same grid. A factor below 1.25 between two times is no difference. docs/TRADE.md explains every number.\n\nFiles in --out: SCENE-trade.csv (a row a case; failures have status `failed`), SCENE-trade-claims.csv, SCENE-trade.json, SCENE-trade.svg (error against time).\n\nKeys of --json: docs/JSON.md. Exit code 1: a run fails or has no error but rounding, the model of the error is off by more than a fourth at a run, or the run of --confirm misses the target by more than that. Exit code 2: no error can be measured, or none of the wanted size is in reach."
 )]
 pub(crate) struct TradeCommand {
     /// Name of a scene, or path of a TOML file
@@ -271,7 +271,7 @@ impl TradeCommand {
 /// `sweep diagnose`.
 #[derive(Args)]
 #[command(
-    after_help = "Exit codes: 0 there is nothing to diagnose, or with --always nothing was found; 1 a verdict is not as expected, or a trial fails; 2 the scene cannot be diagnosed.\n\nJSON keys with --json: scene, fingerprint (of its text), holds, claims (line, says, n, steps, level, at: the trial and the norm, left: an order or a relative error, relation: order or <=, right, low, difference, accuracy, tightness, standing, holds, note), verdicts (as in verdict.json), trials (name, terms, removed, suspects, verdict, claim), culprits (names of terms, or prediction), sentence."
+    after_help = "Exit codes: 0 there is nothing to diagnose, or with --always nothing was found; 1 a verdict is not as expected, or a trial fails; 2 the scene cannot be diagnosed.\n\nKeys of --json: docs/JSON.md."
 )]
 pub(crate) struct DiagnoseCommand {
     /// Name of a scene, or path of a TOML file
@@ -305,7 +305,7 @@ const WIDTH: u16 = 132;
 /// `sweep extremes`.
 #[derive(Args)]
 #[command(
-    after_help = "Exit codes: 0 every rung (one value of a ladder's parameter) is as expected; 1 a rung is not; 2 there is no such ladder, or --out cannot be written.\n\nJSON keys with --json: holds, claims (line: the ladder, or KKT; says, n, steps, level, at: the rung, left: what was measured, null without an answer, relation, right, low, difference, accuracy, tightness, standing, holds, note: the refusal, a remark, or why not), ladders (name, parameter, quantity, why).\n\nFiles with --out: extremes-claims.csv, extremes.json, extremes.svg (the map)."
+    after_help = "Exit codes: 0 every rung (one value of a ladder's parameter) is as expected; 1 a rung is not; 2 there is no such ladder, or --out cannot be written.\n\nKeys of --json: docs/JSON.md.\n\nFiles with --out: extremes-claims.csv, extremes.json, extremes.svg (the map)."
 )]
 pub(crate) struct Extremes {
     /// Ladders (one parameter taken to its extreme) to run [default: all]; --list names them

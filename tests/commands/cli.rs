@@ -436,21 +436,6 @@ fn the_help_says_what_the_main_job_is() {
 }
 
 #[test]
-fn the_help_documents_the_json_keys() {
-    let solve = help(&["solve", "--help"]);
-    let missing: Vec<_> = SOLVED.iter().filter(|key| !solve.contains(**key)).collect();
-    assert!(missing.is_empty(), "solve --help lacks {missing:?}");
-    for (command, key) in [
-        ("list", "truth"),
-        ("check", "findings"),
-        ("check", "history_bytes"),
-        ("fit", "local_slopes"),
-    ] {
-        assert!(help(&[command, "--help"]).contains(key), "{command} --help lacks {key}");
-    }
-}
-
-#[test]
 fn audits_hold_and_say_what_they_checked() {
     let folder = Folder::new("audit");
     let grid = ["--n", "4,8", "--steps", "2,4"];

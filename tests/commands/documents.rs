@@ -16,7 +16,7 @@ fn read(file: &str) -> String {
 }
 
 /// Pages written by a command or a test: their length is that of what they list.
-const GENERATED: [&str; 4] = ["EQUATIONS.md", "LADDERS.md", "SABOTAGE.md", "SCENES.md"];
+const GENERATED: [&str; 5] = ["EQUATIONS.md", "JSON.md", "LADDERS.md", "SABOTAGE.md", "SCENES.md"];
 
 /// Names of the pages under docs/, without the book's table of contents.
 fn pages() -> Vec<String> {

@@ -16,6 +16,7 @@ mod fit_tables;
 mod gronwall_command;
 mod house;
 mod inside;
+mod json_reference;
 mod ladders;
 mod merging;
 mod next_cases;

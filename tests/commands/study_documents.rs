@@ -1,11 +1,7 @@
 //! Source: every study is one type: its numbers as JSON, its words as a document.
-//! Goal: what a study found wrong is said in its document, and a document of nothing proves nothing; `--help` of a command
-//!   names every key of its JSON.
+//! Goal: what a study found wrong is said in its document, and a document of nothing proves nothing.
 //! Data: memory-minus-identity and compliance on small grids; one seeded defect each.
 
-use std::collections::BTreeSet;
-
-use crate::program::{Folder, code, json, stderr, stdout, sweep};
 use crate::shipped::setup;
 use judge::claim::{Claim, Place};
 use report::StudyDocument;
@@ -47,58 +43,4 @@ fn a_rung_that_fails_is_said() {
     let words = format!("one-vertex at {}: no number", rung[0].place.at);
     shows(&sound, &found(&ladders, &[rung]).document, &words);
     shows(&sound, &found(&ladders, &[]).document, "nothing was compared");
-}
-
-/// Every key of a value, at every depth.
-fn keys(value: &serde_json::Value, found: &mut BTreeSet<String>) {
-    match value {
-        serde_json::Value::Object(map) => map.iter().for_each(|(key, value)| {
-            found.insert(key.clone());
-            keys(value, found);
-        }),
-        serde_json::Value::Array(list) => list.iter().for_each(|value| keys(value, found)),
-        _ => {}
-    }
-}
-
-#[test]
-fn the_help_names_every_key() {
-    let folder = Folder::new("study-keys");
-    let out = folder.argument("out");
-    for arguments in [
-        &["bound", "memory-minus-identity", "--n", "4", "--steps", "4"][..],
-        &["gronwall", "affine", "--steps", "8,16"],
-        &["audit", "compliance", "--n", "4", "--steps", "2"],
-        &[
-            "trade",
-            "compliance",
-            "--n",
-            "4,8,16",
-            "--steps",
-            "2,4,8",
-            "--target",
-            "0.03",
-            "--out",
-            &out,
-        ],
-        &["extremes", "one-vertex"],
-        &["diagnose", "affine", "--always"],
-        &["check", "affine", "--floors", "--n", "4", "--steps", "4"],
-    ] {
-        let output = sweep(&[arguments, &["--json"]].concat());
-        assert_eq!(code(&output), 0, "{arguments:?}: {}", stderr(&output));
-        let mut value = json(&output);
-        // Verdicts are those of verdict.json, which another page documents.
-        if let Some(document) = value.as_object_mut() {
-            document.remove("verdicts");
-        }
-        let mut found = BTreeSet::new();
-        keys(&value, &mut found);
-        let help = stdout(&sweep(&[arguments[0], "--help"]));
-        let words: BTreeSet<&str> =
-            help.split(|c: char| !(c.is_alphanumeric() || c == '_')).collect();
-        let missing: Vec<&String> =
-            found.iter().filter(|key| !words.contains(key.as_str())).collect();
-        assert!(found.len() > 5 && missing.is_empty(), "{} --help lacks {missing:?}", arguments[0]);
-    }
 }

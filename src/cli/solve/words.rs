@@ -223,25 +223,13 @@ mod tests {
     /// Keys without words: lists of vertices.
     const LISTS: [&str; 2] = ["normal_displacement", "compliance_pressure"];
 
-    /// The keys listed in the help (tested elsewhere to be complete) all have words.
+    /// The keys of the reference (tested elsewhere to be complete) all have words.
     #[test]
     fn every_key_of_a_body_has_words() {
-        let command = <Solve as clap::Args>::augment_args(clap::Command::default());
-        let help = command.get_after_help().expect("a help text").to_string();
-        let keys = help.split("JSON keys with --json: ").nth(1).expect("keys");
-        let keys = keys.split(" (all at t = T").next().expect("keys");
-        let mut depth = 0;
-        let plain: String = keys
-            .chars()
-            .filter(|character| {
-                depth += i32::from(*character == '(');
-                let outside = depth == 0;
-                depth -= i32::from(*character == ')');
-                outside
-            })
-            .collect();
-        let keys: Vec<&str> = plain.split([',', ' ']).filter(|key| !key.is_empty()).collect();
-        let keys: Vec<&str> = keys.into_iter().filter(|key| *key != "and").collect();
+        let page = include_str!("../../../docs/JSON.md");
+        let section = page.split("\n## solve\n").nth(1).and_then(|rest| rest.split("\n## ").next());
+        let rows = section.expect("a section").lines().filter_map(|row| row.strip_prefix("| `"));
+        let keys: Vec<&str> = rows.filter_map(|row| row.split('`').next()).collect();
         let known: Vec<&str> =
             GROUPS.iter().flat_map(|group| group.1).map(|entry| entry.0).collect();
         let without: Vec<&&str> =
