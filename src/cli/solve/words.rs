@@ -194,7 +194,6 @@ fn is_zero(value: &Value) -> bool {
 
 #[cfg(test)]
 mod tests {
-    use super::super::Solve;
     use super::*;
     use serde_json::json;
 
