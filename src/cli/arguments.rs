@@ -29,7 +29,7 @@ pub(super) struct Arguments {
     /// Print only errors on stderr: no progress, notes or warnings
     #[arg(short, long, global = true, conflicts_with = "verbose", help_heading = COMMON)]
     pub(super) quiet: bool,
-    /// Print a line when each case finishes, even where a progress bar is shown
+    /// Print every verdict, and a line when each case finishes, even where a progress bar is shown
     #[arg(short, long, global = true, help_heading = COMMON)]
     pub(super) verbose: bool,
     #[command(subcommand)]

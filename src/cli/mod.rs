@@ -32,7 +32,7 @@ use build::BUILD;
 use error::COULD_NOT_JUDGE;
 use output::{
     TABLE_WIDTH, create_dir, delivered, print_as_it_is, print_beside, print_error, print_json,
-    print_text, print_verdicts, verdict_table, width, write_file,
+    print_text, print_verdicts, prints_all, verdict_table, width, write_file,
 };
 use scenes::{Scenes, meshes_fit, no_case, subject};
 

@@ -11,7 +11,7 @@ use files::{
 };
 use indicatif::{ProgressBar, ProgressStyle};
 use judge::record::{CaseRecord, Status};
-use judge::verdict::Verdict;
+use judge::verdict::{Decision, Verdict};
 use run::sweep::Progress;
 use scene::setup::StepRemark;
 use serde::Serialize;
@@ -35,9 +35,30 @@ pub(crate) fn print_text(text: &str) {
     print_as_it_is(&harmless(text));
 }
 
-/// Prints a table of verdicts, coloured if stdout allows it.
-pub(crate) fn print_verdicts(table: &str) {
-    print_as_it_is(&shown(&harmless(table)));
+/// More verdicts than a screen holds are not printed one by one.
+const MOST: usize = 24;
+
+/// Whether all of so many verdicts are printed.
+pub(crate) fn prints_all(verdicts: &[Verdict]) -> bool {
+    verdicts.len() <= MOST || loudness() == Loudness::Verbose
+}
+
+/// Prints verdicts, coloured if stdout allows it. Of more than a screen holds, those that are no plain pass, and then what
+/// holds and what is least certain.
+pub(crate) fn print_verdicts(verdicts: &[Verdict]) {
+    let all = prints_all(verdicts);
+    let plain = |v: &&Verdict| v.as_expected() && v.decision == Decision::Pass;
+    let some: Vec<Verdict> = verdicts.iter().filter(|v| all || !plain(v)).cloned().collect();
+    if all || !some.is_empty() {
+        print_as_it_is(&shown(&harmless(&verdict_table(&some))));
+    }
+    if !all {
+        let others = verdicts.len() - some.len();
+        print_text(&format!(
+            "{others} further verdicts pass: they are in the report, or here with -v"
+        ));
+        report::answers(verdicts).iter().for_each(|line| print_beside("", 0, line));
+    }
 }
 
 /// Prints text with this program's control sequences. If stdout fails the command goes on, since its files and verdict

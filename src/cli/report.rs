@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use super::output::write_user_file;
-use super::{CliError, Scenes, print_text, print_verdicts, verdict_table};
+use super::{CliError, Scenes, print_text, print_verdicts};
 use clap::Args;
 use judge::record::{CaseRecord, CaseTable, Key, read_table};
 use judge::verdict::{Earlier, exit_code, read_earlier, restore_reasons};
@@ -81,7 +81,7 @@ impl Report {
         if let Some(typesetter) = &typesetter {
             typesetter.set(&self.dir, self.date.as_deref())?;
         }
-        print_verdicts(&verdict_table(&verdicts));
+        print_verdicts(&verdicts);
         print_text(&format!("report: {}", self.dir.join("index.html").display()));
         if let Some(path) = &self.pdf {
             print_text(&format!("pdf: {}", path.display()));

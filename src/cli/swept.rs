@@ -4,7 +4,7 @@ use std::fs::OpenOptions;
 use std::io::Write;
 use std::path::Path;
 
-use super::{CliError, print_as_it_is, print_text, print_verdicts, verdict_table};
+use super::{CliError, print_as_it_is, print_text, print_verdicts, prints_all};
 use files::counted;
 use judge::fit::AgainstReference;
 use judge::record::CaseRecord;
@@ -55,8 +55,8 @@ impl Swept {
     }
 
     pub(super) fn print(&self) {
-        print_verdicts(&verdict_table(&self.verdicts));
-        for (scene, found) in &self.references {
+        print_verdicts(&self.verdicts);
+        for (scene, found) in self.references.iter().filter(|_| prints_all(&self.verdicts)) {
             print_text(&reference_in_words(scene, found));
         }
         let failed = failures(&self.records).len();

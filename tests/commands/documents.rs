@@ -5,6 +5,8 @@
 
 use std::path::{Path, PathBuf};
 
+use scene::{Registry, Scene};
+
 use crate::program::{Folder, code, json, stderr, stdout, sweep};
 
 fn root() -> &'static Path {
@@ -59,7 +61,7 @@ fn the_readme_is_short() {
 
 /// Rows of the README's first table that are not among the printed ones.
 fn unprinted(readme: &str, printed: &str) -> Vec<String> {
-    let shown = block(readme, "```text\n");
+    let shown = block(readme, "orders, such as\n\n```text\n");
     let rows: Vec<Vec<&str>> = printed.lines().map(cells).collect();
     let verdict = |line: &&str| line.contains('[');
     assert_eq!(shown.lines().filter(verdict).count(), 3);
@@ -79,10 +81,10 @@ fn long_the_readme_shows_what_the_main_job_prints() {
     assert_eq!(unprinted(&readme.replacen("0.99 [0.9", "0.98 [0.9", 1), &printed).len(), 1);
     let baseline: serde_json::Value =
         serde_json::from_str(&read("reports/baseline.json")).expect("JSON");
-    let scenes: Vec<&serde_json::Value> =
+    let recorded: Vec<&serde_json::Value> =
         baseline["scenes"].as_object().expect("scenes").values().collect();
     let sum = |count: &dyn Fn(&serde_json::Value) -> usize| -> usize {
-        scenes.iter().map(|scene| count(scene)).sum()
+        recorded.iter().map(|scene| count(scene)).sum()
     };
     let of = |scene: &serde_json::Value, key: &str| scene[key].as_array().map_or(0, Vec::len);
     let cases = sum(&|scene| of(scene, "cases"));
@@ -91,7 +93,37 @@ fn long_the_readme_shows_what_the_main_job_prints() {
         let owed = scene["owes"].as_array().into_iter().flatten();
         owed.map(|verdict| of(verdict, "constants")).sum()
     });
+    // The claim that readers know by name stands in the reason of a prediction.
+    let registry = Registry::open(&root().join("manufactured")).expect("the scenes");
+    let scenes: Vec<Scene> =
+        registry.names().map(|name| registry.load(name).expect("a scene")).collect();
+    let judged = scenes.iter().filter(|scene| scene.judge && !scene.long);
+    let reasons: Vec<&String> = judged.flat_map(|scene| &scene.predicts).map(|p| &p.why).collect();
+    let held = ["(5.26)", "Theorem 7", "(5.24)"].map(|claim| {
+        let count = reasons.iter().filter(|why| why.contains(claim)).count();
+        format!("{claim}: {count} of {count}; ")
+    });
+    let written: serde_json::Value = serde_json::from_str(
+        &std::fs::read_to_string(folder.at("out/verdict.json")).expect("JSON"),
+    )
+    .expect("JSON");
+    let least = written["verdicts"]
+        .as_array()
+        .expect("verdicts")
+        .iter()
+        .find(|verdict| verdict["scene"] == "pure-mild" && verdict["norm"] == "V_time_max");
+    let number = |value: &serde_json::Value| value.as_f64().expect("a number");
+    let least = least.expect("the verdict that is least certain");
+    let least = format!(
+        "pure-mild, V_time_max in k: {:.2} [{:.2}, {:.2}] for 2 holds with probability {:.2}, pass.",
+        number(&least["observed"]),
+        number(&least["interval"][0]),
+        number(&least["interval"][1]),
+        number(&least["probability"])
+    );
     for line in [
+        held.concat(),
+        least,
         format!("{cases} cases, 0 failed; {verdicts} of {verdicts} verdicts as expected"),
         format!("baseline: {verdicts} verdicts and {constants} compared constants recorded"),
     ] {

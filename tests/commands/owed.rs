@@ -278,6 +278,7 @@ fn verdict(scene: &str, norm: &str, compared: bool) -> Verdict {
     let keys: Vec<Key> = records.iter().map(CaseRecord::key).collect();
     let mut verdict = judge(scene, &records, &keys, &prediction, Decision::Pass);
     verdict.constant = compared.then(|| ConstantClaim {
+        decides: false,
         name: "C_k",
         decision: Decision::Pass,
         reason: String::new(),

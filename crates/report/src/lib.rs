@@ -40,8 +40,8 @@ pub use convergence::convergence_svg;
 #[cfg(feature = "pdf")]
 pub use document::pdf;
 pub use document::{
-    Chapter, Equation, Findings, Row, Run, StudyDocument, Terms, Tone, beside, digits, equations,
-    held, number, precise, sides, text_table, verdict_table,
+    Chapter, Equation, Findings, Row, Run, StudyDocument, Terms, Tone, answers, beside, digits,
+    equations, held, number, precise, sides, text_table, verdict_table,
 };
 pub use github::{AnnotationPlace, annotations, step_summary};
 pub use group::Group;

@@ -83,8 +83,13 @@ fn compare_with(
     };
     finding.constants.insert(name, constant);
     finding.reason = format!("{}; {sentence}", finding.reason);
-    finding.constant =
-        Some(ConstantClaim { name, decision, reason: sentence, owed: prediction.constant_owed });
+    finding.constant = Some(ConstantClaim {
+        name,
+        decision,
+        reason: sentence.clone(),
+        owed: prediction.constant_owed,
+        decides: false,
+    });
     let order_alone = finding.order;
     let Some(leading) = leading_order else { return };
     // A bound is met by a higher order.
@@ -95,9 +100,13 @@ fn compare_with(
     match order_alone {
         // Errors that follow the leading error of a sound scheme have its order, whatever their slopes alone show.
         Decision::Unresolved if finding.complete && short <= TOLERANCE => {
-            finding.reason +=
-                " on each of the finest cases, and so is the order of the predicted errors";
+            finding.reason = format!(
+                "{sentence} on each of the finest cases, and the predicted errors have the order {leading:.2}; the slopes alone leave it open"
+            );
             (finding.order, finding.next) = (Decision::Pass, Vec::new());
+            if let Some(claim) = &mut finding.constant {
+                claim.decides = true;
+            }
         }
         Decision::Pass => {}
         _ if short > TOLERANCE => {

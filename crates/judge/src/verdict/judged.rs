@@ -17,6 +17,8 @@ pub struct ConstantClaim {
     pub reason: String,
     /// Whether one that is still drifting is red: the scene states how far it may be off.
     pub owed: bool,
+    /// Whether its agreement, not the slopes, shows the order.
+    pub decides: bool,
 }
 
 /// A judged prediction: the claims about an order and about its constant.

@@ -6,7 +6,11 @@ use super::{Decision, Verdict};
 pub fn cell_texts(verdict: &Verdict) -> [String; 7] {
     let name = verdict.decision.name();
     let decision = match (verdict.as_expected(), verdict.decision) {
-        (true, Decision::Pass) | (false, Decision::Fail | Decision::Unresolved) => name.to_owned(),
+        (true, Decision::Pass) => match &verdict.constant {
+            Some(constant) if constant.decides => format!("{name}, by {}", constant.name),
+            _ => name.to_owned(),
+        },
+        (false, Decision::Fail | Decision::Unresolved) => name.to_owned(),
         (true, _) => format!("{name}, as expected"),
         (false, Decision::Pass) => format!("{name}, expected {}", verdict.expect.name()),
     };

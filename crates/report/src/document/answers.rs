@@ -10,15 +10,30 @@ const CLAIMS: [&str; 3] = ["(5.26)", "Theorem 7", "(5.24)"];
 
 pub(super) fn write(section: &mut Section, report: &Report<'_>) {
     let verdicts = report.verdicts;
-    let held = |judged: &[&Verdict]| {
-        let met = judged.iter().filter(|verdict| verdict.as_expected()).count();
-        (
-            format!("{met} of {}", judged.len()),
-            if met == judged.len() { Tone::Pass } else { Tone::Miss },
-        )
-    };
+    section.text(by_claim(verdicts, report.of_a_solver()));
+    if let Some(verdict) = least_certain(verdicts) {
+        section.text(closest(verdict, report.link(&verdict.scene)));
+    }
+    broken(section, report);
+}
+
+/// The first two answers, on the estimates, in a line each.
+pub fn answers(verdicts: &[Verdict]) -> Vec<String> {
+    let least = least_certain(verdicts).map(|verdict| closest(verdict, None));
+    let lines = [Some(by_claim(verdicts, false)), least];
+    let text = |runs: Vec<Run>| runs.iter().map(|run| run.text.as_str()).collect();
+    lines.into_iter().flatten().map(text).collect()
+}
+
+fn held(judged: &[&Verdict]) -> (String, Tone) {
+    let met = judged.iter().filter(|verdict| verdict.as_expected()).count();
+    let tone = if met == judged.len() { Tone::Pass } else { Tone::Miss };
+    (format!("{met} of {}", judged.len()), tone)
+}
+
+fn by_claim(verdicts: &[Verdict], of_a_solver: bool) -> Vec<Run> {
     // Another program's solver is what `sweep verify` judges; the estimates are known to hold on its scene.
-    let question = match report.of_a_solver() {
+    let question = match of_a_solver {
         true => "Does the solver have the predicted orders? ",
         false => "Did the estimates hold? ",
     };
@@ -36,22 +51,18 @@ pub(super) fn write(section: &mut Section, report: &Report<'_>) {
     by_claim.push(Run::plain("all orders: "));
     by_claim.push(Run::of(all, tone));
     by_claim.push(Run::plain(" as expected."));
-    section.text(by_claim);
-    if let Some(verdict) = least_certain(verdicts) {
-        let mut runs = vec![Run::of("Which is least certain? ", Tone::Strong)];
-        runs.extend(named(report, verdict));
-        section.text(runs);
-    }
-    broken(section, report, held);
+    by_claim
 }
 
 /// The verdict closest to being another one: the prediction holds with little more than needed for a pass, or misses it
 /// by little. An unresolved one is closest. A scene that fails because it was built to is no warning.
 fn least_certain(verdicts: &[Verdict]) -> Option<&Verdict> {
+    let by_constant = |verdict: &Verdict| verdict.constant.as_ref().is_some_and(|c| c.decides);
     let certainty = |verdict: &Verdict| match (verdict.decision, verdict.probability) {
+        (Decision::Pass, _) if by_constant(verdict) => 1.0,
         (Decision::Pass, Some(probability)) => probability,
         (Decision::Fail, Some(probability)) => 1.0 - probability,
-        // Without a probability cases are missing, or the constant decided: that is certain.
+        // Without a probability cases are missing: that is certain.
         (Decision::Pass | Decision::Fail, None) => 1.0,
         (Decision::Unresolved, _) => 0.0,
     };
@@ -60,7 +71,7 @@ fn least_certain(verdicts: &[Verdict]) -> Option<&Verdict> {
 }
 
 /// A verdict with its numbers, linked to its scene.
-fn named(report: &Report<'_>, verdict: &Verdict) -> Vec<Run> {
+fn closest(verdict: &Verdict, link: Option<String>) -> Vec<Run> {
     let [scene, norm, variable, predicted, observed, decision, _] = cell_texts(verdict);
     let certain = match verdict.probability {
         Some(probability) => format!("holds with probability {probability:.2}"),
@@ -68,18 +79,15 @@ fn named(report: &Report<'_>, verdict: &Verdict) -> Vec<Run> {
     };
     let observed = observed.replace('\n', "; ");
     vec![
-        Run { target: report.link(&verdict.scene), ..Run::plain(scene) },
+        Run::of("Which is least certain? ", Tone::Strong),
+        Run { target: link, ..Run::plain(scene) },
         Run::plain(format!(", {norm} in {variable}: {observed} for {predicted} {certain}, ")),
         Run::of(decision, tone(verdict)),
         Run::plain("."),
     ]
 }
 
-fn broken(
-    section: &mut Section,
-    report: &Report<'_>,
-    held: impl Fn(&[&Verdict]) -> (String, Tone),
-) {
+fn broken(section: &mut Section, report: &Report<'_>) {
     let scenes: Vec<_> = report.scenes.iter().filter(|scene| !scene.violates.is_empty()).collect();
     if scenes.is_empty() {
         return;
@@ -104,7 +112,7 @@ fn broken(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use judge::verdict::{Prediction, Variable};
+    use judge::verdict::{ConstantClaim, Prediction, Variable};
 
     fn verdict(scene: &str, expect: Decision, decision: Decision, probability: f64) -> Verdict {
         let prediction = Prediction::new("V_max", Variable::H, 1.0);
@@ -122,6 +130,19 @@ mod tests {
             verdict("defect", Pass, Fail, 0.01),
         ];
         let least = |verdicts: &[Verdict]| least_certain(verdicts).map(|v| v.scene.clone());
+        assert_eq!(least(&verdicts).as_deref(), Some("close"));
+        // Its constant shows the order, whatever the slopes say.
+        let claim = |decides| {
+            Some(ConstantClaim {
+                name: "C_k",
+                decision: Pass,
+                reason: String::new(),
+                owed: false,
+                decides,
+            })
+        };
+        verdicts
+            .push(Verdict { constant: claim(true), ..verdict("by-constant", Pass, Pass, 0.06) });
         assert_eq!(least(&verdicts).as_deref(), Some("close"));
         verdicts.push(verdict("open", Pass, Unresolved, 0.9));
         assert_eq!(least(&verdicts).as_deref(), Some("open"));

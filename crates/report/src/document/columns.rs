@@ -3,7 +3,7 @@
 use crate::legend::wrapped;
 
 /// Characters between columns.
-const GAP: usize = 2;
+pub(super) const GAP: usize = 2;
 
 /// Longer cells are prose and may be wrapped.
 const PROSE: usize = 30;

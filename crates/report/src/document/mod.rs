@@ -24,6 +24,7 @@ mod verdicts;
 use crate::symbols::symbols;
 use serde::{Deserialize, Serialize};
 
+pub use answers::answers;
 pub use columns::{beside, text_table};
 pub(super) use content::{Drawn, Report, document, group};
 pub use equation::{Equation, Terms, equations};

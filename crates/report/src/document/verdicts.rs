@@ -2,7 +2,7 @@
 
 use std::collections::BTreeSet;
 
-use super::columns::text_table;
+use super::columns::{GAP, text_table};
 use crate::legend::wrapped;
 use files::counted;
 use judge::record::{CaseRecord, Status};
@@ -12,26 +12,40 @@ use judge::verdict::{Decision, Verdict, cell_texts};
 pub(super) const VERDICT_HEADS: [&str; 7] =
     ["scene", "norm", "in", "predicted", "observed", "verdict", "by"];
 
-/// Minimal width for the theorems beside the intervals.
-const WITH_REASONS: u16 = 96;
-
 /// What stands in place of an empty table.
 const NOTHING_JUDGED: &str =
     "nothing was judged: every scene here says judge = false and is measured only";
 
-/// The verdicts in `width` characters, with the theorems where there is room; below the table the reason of every verdict
-/// that is not a plain pass.
+/// The verdicts in `width` characters, a line each, with the theorems where they fit; below the table the reason of every
+/// verdict that is not a plain pass.
 pub fn verdict_table(verdicts: &[Verdict], width: u16) -> String {
     if verdicts.is_empty() {
         return NOTHING_JUDGED.into();
     }
-    let columns = VERDICT_HEADS.len() - usize::from(width < WITH_REASONS);
-    let row = |verdict: &Verdict| cell_texts(verdict)[..columns].to_vec();
-    let rows: Vec<Vec<String>> = verdicts.iter().map(row).collect();
+    let mut rows: Vec<Vec<String>> = verdicts.iter().map(|v| cell_texts(v).to_vec()).collect();
     let heads = [&VERDICT_HEADS[..6], &["why"]].concat();
+    let longest = |at: usize| {
+        let lines = rows.iter().flat_map(|row| row[at].lines());
+        lines.map(|line| line.chars().count()).fold(heads[at].len(), usize::max)
+    };
+    let others: usize = (0..6).map(longest).sum::<usize>() + 7 * GAP;
+    let room = usize::from(width).saturating_sub(others);
+    for row in &mut rows {
+        row[6] = short(&row[6], room);
+    }
+    let columns = 6 + usize::from(rows.iter().any(|row| !row[6].is_empty()));
+    rows.iter_mut().for_each(|row| row.truncate(columns));
     let mut blocks = vec![text_table(&heads[..columns], &rows, width)];
     blocks.extend(reasons(verdicts, width.into()));
     blocks.join("\n")
+}
+
+/// A theorem in so many characters: without what follows it, or not at all.
+fn short(why: &str, room: usize) -> String {
+    let fits = |words: &&str| words.chars().count() <= room;
+    let begin = why.split([':', ';']).next().unwrap_or_default();
+    let number = begin.split(',').next().unwrap_or_default();
+    [why, begin, number].into_iter().find(fits).unwrap_or_default().to_owned()
 }
 
 /// Verdicts and cases in numbers; tables where no cases were run.
@@ -106,16 +120,19 @@ mod tests {
     fn the_table_fits_its_width_and_keeps_intervals_whole() {
         let mut verdicts = vec![verdict(1.7, 1.0)];
         let (scene, norm) = ("corner-reentrant-loaded".into(), "pressure_L2_max".into());
-        let why = "a theorem of many words that is too long for one line of the table".into();
+        let why = "(5.26): a theorem of many words that is too long for most tables".into();
         verdicts.push(Verdict { scene, norm, why, ..verdicts[0].clone() });
         let observed = cell_texts(&verdicts[0])[4].clone();
-        for width in [80, 100, 140] {
+        for width in [80, 100, 140, 180] {
             let text = verdict_table(&verdicts, width);
             assert!(text.lines().all(|line| line.chars().count() <= width.into()), "{text}");
             assert!(text.matches(&observed).count() == 2 && text.contains("unresolved"), "{text}");
             // One table: the verdict stands beside the order.
             assert_eq!(text.matches('═').count(), text.lines().next().unwrap().chars().count());
-            assert_eq!(text.contains("many words"), width >= 100);
+            // In one line: the theorem as far as it fits.
+            assert!(width < 100 || text.contains("pressure_L2_max  h"), "{width}: {text}");
+            assert_eq!(text.contains("(5.26)"), width >= 100, "{width}: {text}");
+            assert_eq!(text.contains("many words"), width > 140, "{width}: {text}");
         }
     }
 }
