@@ -305,7 +305,7 @@ const WIDTH: u16 = 132;
 /// `sweep extremes`.
 #[derive(Args)]
 #[command(
-    after_help = "Exit codes: 0 every rung (one value of a ladder's parameter) is as expected; 1 a rung is not; 2 there is no such ladder, or --out cannot be written.\n\nKeys of --json: docs/JSON.md.\n\nFiles with --out: extremes-claims.csv, extremes.json, extremes.svg (the map)."
+    after_help = "Exit codes: 0 every rung (one value of a ladder's parameter) is as expected; 1 a rung is not; 2 there is no such ladder, or --out cannot be written.\n\nKeys of --json: docs/JSON.md.\n\nFiles with --out: extremes-claims.csv, extremes.json, extremes.svg (the map); of named ladders LADDER-extremes and so on."
 )]
 pub(crate) struct Extremes {
     /// Ladders (one parameter taken to its extreme) to run [default: all]; --list names them
@@ -316,7 +316,7 @@ pub(crate) struct Extremes {
     /// List the ladders and what they expect, without running them
     #[arg(long)]
     list: bool,
-    /// Directory for extremes-claims.csv, extremes.json and extremes.svg, which replace those of an earlier run
+    /// Directory for extremes-claims.csv, extremes.json and extremes.svg
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
     #[command(flatten)]
@@ -341,7 +341,7 @@ impl Extremes {
             super::output::note(&format!("{}: {rungs}", ladder.name));
             climbed.extend(ladder.rungs.iter().map(|rung| climb(ladder, rung, &under_test)));
         }
-        show(&found(&ladders, &climbed), self.out.as_deref(), self.common.json)
+        show(&found(&ladders, &self.ladder, &climbed), self.out.as_deref(), self.common.json)
     }
 
     fn chosen(&self) -> Result<Vec<Ladder>, CliError> {

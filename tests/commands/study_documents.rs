@@ -38,9 +38,9 @@ fn a_rung_that_fails_is_said() {
     let ladders: Vec<_> =
         catalogue(false).into_iter().filter(|ladder| ladder.name == "one-vertex").collect();
     let mut rung = climb(&ladders[0], &ladders[0].rungs[0], &UnderTest::default());
-    let sound = found(&ladders, std::slice::from_ref(&rung)).document;
+    let sound = found(&ladders, &[], std::slice::from_ref(&rung)).document;
     rung[0].left = f64::NAN;
     let words = format!("one-vertex at {}: no number", rung[0].place.at);
-    shows(&sound, &found(&ladders, &[rung]).document, &words);
-    shows(&sound, &found(&ladders, &[]).document, "nothing was compared");
+    shows(&sound, &found(&ladders, &[], &[rung]).document, &words);
+    shows(&sound, &found(&ladders, &[], &[]).document, "nothing was compared");
 }

@@ -10,13 +10,16 @@ fn a_ladder_is_a_table_and_three_files() {
     assert_eq!(code(&output), 0, "{}{}", stdout(&output), stderr(&output));
     let printed = stdout(&output);
     assert!(printed.contains("and every one holds"), "{printed}");
-    let csv = std::fs::read_to_string(folder.at("out/extremes-claims.csv")).expect("a table");
+    let csv = std::fs::read_to_string(folder.at("out/one-vertex-step-falling-extremes-claims.csv"))
+        .expect("a table");
     assert!(csv.starts_with("line,says,n,steps,level,at,left,"), "{csv}");
     let of = |ladder: &str| csv.lines().filter(|line| line.starts_with(ladder)).count();
     assert_eq!([of("one-vertex,"), of("step-falling,")], [8, 9], "{csv}");
-    let svg = std::fs::read_to_string(folder.at("out/extremes.svg")).expect("a map");
+    let svg = std::fs::read_to_string(folder.at("out/one-vertex-step-falling-extremes.svg"))
+        .expect("a map");
     assert!(svg.contains("step-falling") && svg.contains("refused as expected"));
-    let text = std::fs::read_to_string(folder.at("out/extremes.json")).expect("a document");
+    let text = std::fs::read_to_string(folder.at("out/one-vertex-step-falling-extremes.json"))
+        .expect("a document");
     let document: serde_json::Value = serde_json::from_str(&text).expect("JSON");
     assert_eq!(document["ladders"].as_array().map(Vec::len), Some(2));
 }

@@ -69,8 +69,9 @@ impl Findings {
 
     pub fn json(&self) -> Value {
         let mut all = json!({ "holds": self.holds(), "claims": self.claims });
-        if let Some(scene) = &self.document.scene {
-            (all["scene"], all["fingerprint"]) = (json!(scene), json!(self.document.fingerprint));
+        // Ladders have a name and no text.
+        if let Some(fingerprint) = &self.document.fingerprint {
+            (all["scene"], all["fingerprint"]) = (json!(self.document.scene), json!(fingerprint));
         }
         for (key, value) in &self.numbers {
             all[key] = value.clone();

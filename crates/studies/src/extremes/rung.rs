@@ -285,10 +285,12 @@ pub fn claims(
     }
 }
 
-/// All that was climbed, the claims of each rung.
-pub fn found(ladders: &[Ladder], climbed: &[Vec<Claim>]) -> Findings {
+/// All that was climbed, the claims of each rung. Files of ladders that were named carry their names, so that one run does
+/// not replace another.
+pub fn found(ladders: &[Ladder], named: &[String], climbed: &[Vec<Claim>]) -> Findings {
     let title = (Chapter::Extremes, "Ladders and rungs".to_owned());
     let mut findings = Findings::new(title, None, climbed.concat());
+    findings.document.scene = (!named.is_empty()).then(|| named.join("-"));
     findings.table(
         "ladders",
         ladders,
