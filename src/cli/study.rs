@@ -152,7 +152,7 @@ const FINEST: u32 = 64;
 /// `sweep audit`.
 #[derive(Args)]
 #[command(
-    after_help = "Eight inequalities of the proofs, (2.9), (4.7), (4.9), (4.14), (4.16), (4.17), (4.20) and (5.23), at every level, on the numbers of the solver and of the exact solution, by the boundary rule of the scene; what that rule and the load vector add to (4.9) is E_q. A claim is an inequality in a run, at the level where it is tightest: both sides, what rounding allows, left/right. \
+    after_help = "Inequalities of the proofs, (2.9), (4.7), (4.9), (4.14), (4.16), (4.17), (4.19), (4.20) and (5.23), at every level, on the numbers of the solver and of the exact solution, by the boundary rule of the scene; what that rule and the load vector add to (4.9) is E_q. A claim is an inequality in a run, at the level where it is tightest: both sides, what rounding allows, left/right. \
 Keys of --json: docs/JSON.md. Files with --out: SCENE-audit.json, SCENE-audit-claims.csv. \
 Exit code 1: an inequality is violated beyond its accuracy or has no defined constant (m0 <= 0)."
 )]

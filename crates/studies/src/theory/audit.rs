@@ -1,4 +1,4 @@
-//! Eight inequalities of the proofs of Theorems 10 and 11 at every t_n of real runs, on the numbers of the solver and of the
+//! Inequalities of the proofs of Theorems 10 and 11 at every t_n of real runs, on the numbers of the solver and of the
 //! truth: u^{kh}, its history and pressures and the forces that they leave; ε(u), σ, ξ + λ and F of the exact side.
 //!
 //! v^h is the nodal interpolant of u. ε(u) and σ enter by their L² projections onto the strains of V^h, which test functions
@@ -142,7 +142,7 @@ const ROUNDING: f64 = 1e-12;
 const NATURAL: f64 = 4e-14;
 
 /// In the order of their numbers.
-const STATEMENTS: [Statement; 8] = [
+const STATEMENTS: [Statement; 9] = [
     Statement { source: "(2.9)", says: "|u_nu - u_h,nu|^2 <= c_j^2 e^2" },
     Statement { source: "(4.7)", says: "m_A e^2 <= <Au - Au_h, u - u_h>" },
     Statement {
@@ -155,6 +155,7 @@ const STATEMENTS: [Statement; 8] = [
         says: "E_j <= (2 c0 + c1 |u_nu| + c1 |u_h,nu|) delta + alpha_j |u_nu - u_h,nu|^2",
     },
     Statement { source: "(4.17)", says: "E_A <= L_A e d" },
+    Statement { source: "(4.19)", says: "Y <= g_n + |R||q| k sum_j e_j" },
     Statement {
         source: "(4.20)",
         says: "e <= C (d + sqrt(delta) + sqrt(|E_n| + |E_q|)) + C (g_n + |R||q| k sum_j e_j), constants written out",
@@ -367,6 +368,7 @@ impl<'a> Auditor<'a> {
             [volume.phi1, (c.alpha_phi * e + c.beta_phi * history) * e_h, stress * e_h, energy],
             [contact.e_j, growth * delta + c.alpha_j * contact.trace, 0.0, energy],
             [volume.operator, c.l_a * e_h * d_h, 0.0, energy],
+            [history, remembered, 0.0, c.history * size * t],
             [e, bound, 0.0, size],
             [contact.e_n.abs(), pressures * delta, 0.0, energy],
         ];

@@ -49,7 +49,7 @@ pub(super) fn audit() -> Section {
     let mut section = Section::opening(
         "chapter-audit",
         "The inequalities of Theorems 10 and 11",
-        "Both sides of eight inequalities of the proof of the error estimate, computed at every level of real runs. One holds if it does at all levels \
+        "Both sides of the inequalities of the proof of the error estimate, computed at every level of real runs. One holds if it does at all levels \
          of all runs, up to the accuracy of its two sides.",
     );
     section.blocks.push(Block::Formulas(vec![Equation::new(
