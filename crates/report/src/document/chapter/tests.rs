@@ -13,11 +13,9 @@ use crate::{ReportError, SceneSummary, StepLimits};
 use judge::record::{CaseRecord, Key, NormError, Status};
 use judge::verdict::{Decision, Prediction, Variable, Verdict, judge};
 
-const ALL: [Chapter; 6] = Chapter::ALL;
-
 /// Those that leave a file.
 fn with_files() -> impl Iterator<Item = Chapter> {
-    ALL.into_iter().filter(|chapter| *chapter != Chapter::Diagnose)
+    Chapter::ALL.into_iter().filter(|chapter| *chapter != Chapter::Diagnose)
 }
 
 /// A study of a chapter with a table, a picture and a verdict.
@@ -141,7 +139,7 @@ fn what_is_not_there_names_its_command() {
 
 #[test]
 fn what_does_not_hold_is_said_on_the_first_page_too() {
-    for chapter in ALL {
+    for chapter in Chapter::ALL {
         let document = composed(&[study(chapter, false)], |_| {});
         let (page, markdown) = (page(&document), markdown(&document));
         let words = format!("{}: 2 against 1", chapter.name());
@@ -198,7 +196,7 @@ fn refused(file: &str, text: &str) -> String {
 
 #[test]
 fn a_torn_study_is_refused_with_its_line() {
-    for chapter in ALL {
+    for chapter in Chapter::ALL {
         let study = study(chapter, true);
         let text = format!("{:#}", json!(study));
         let lines: Vec<&str> = text.lines().collect();
