@@ -8,7 +8,6 @@ use super::solve::words::in_words;
 use super::{CliError, print_json, print_text};
 use exact::{Finding, Status};
 use files::digits;
-use scene::Scene;
 use scene::setup::{AbstractSetup, abstract_regularity};
 use studies::theory::bound::sampled::table_of_finite;
 use vhi::{StepBounds, StepSolver};
@@ -45,13 +44,6 @@ pub(crate) fn findings(setup: &AbstractSetup) -> Vec<Finding> {
     findings.extend(step_facts(&c.step_bounds(setup.model.time_rule.as_ref())));
     findings.extend(abstract_regularity(&setup.scene, &setup.problem));
     findings
-}
-
-/// Refuses an n for a problem without a mesh.
-pub(crate) fn no_mesh(scene: &Scene, n: Option<u32>) -> Result<(), CliError> {
-    let Some(n) = n else { return Ok(()) };
-    let message = format!("an abstract problem has no mesh, so no n = {n}");
-    Err(scene.error("scene.kind", message, "leave --n away").into())
 }
 
 pub(crate) fn solve(

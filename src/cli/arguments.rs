@@ -13,6 +13,7 @@ use clap::{Args, CommandFactory, FromArgMatches, Parser, Subcommand};
 use clap_complete::Shell;
 use files::counted;
 use scene::nearest;
+use studies::theory::STUDIES;
 
 /// Verify predicted orders of convergence, of contact problems or of your own program
 #[derive(Parser)]
@@ -48,16 +49,12 @@ pub(super) enum Command {
     List(list::List),
     /// Check the data and hypotheses of a scene and predict its memory, without solving
     Check(check::Check),
-    /// Check the proofs of Theorems 10 and 11 line by line on real runs
-    Audit(study::Audit),
     /// Find the term at fault by running the scene again with one term removed at a time
     Diagnose(study::DiagnoseCommand),
     /// Solve one case and print named quantities
     Solve(solve::Solve),
-    /// Step-size bound (3.4) in four numbers: paper, sharpened, measured, loss of solvability
-    Bound(study::BoundCommand),
-    /// Evaluate Gronwall's inequality on runs: truncation errors, envelopes, perturbations
-    Gronwall(study::Gronwall),
+    #[command(flatten)]
+    Study(study::StudyCommand),
     /// Test extreme parameters: units, moduli, steps, meshes, gaps, loads
     Extremes(study::Extremes),
     /// Measure time against error over the settings of a scene, and find the cheapest n and N
@@ -78,14 +75,23 @@ pub(super) enum Command {
 
 // Grouped help, and hints for unknown commands.
 
+/// The group of [`STUDIES`].
+const THEORY: &str = "Theory";
 const GROUPS: [(&str, &[&str]); 6] = [
     ("Judge", &["run", "gate", "baseline", "fit", "verify", "report"]),
     ("Understand", &["list", "check", "solve", "diagnose"]),
-    ("Theory", &["audit", "bound", "gronwall"]),
+    (THEORY, &[]),
     ("Cost and limits", &["trade", "extremes"]),
     ("Many machines", &["merge"]),
     ("Shell", &["completions", "man", "help"]),
 ];
+
+fn groups() -> impl Iterator<Item = (&'static str, Vec<&'static str>)> {
+    GROUPS.into_iter().map(|(title, names)| match title {
+        THEORY => (title, STUDIES.map(|study| study.name).to_vec()),
+        _ => (title, names.to_vec()),
+    })
+}
 
 pub(super) fn parsed(words: impl IntoIterator<Item = OsString>) -> Result<Arguments, clap::Error> {
     let mut command = Arguments::command();
@@ -102,11 +108,11 @@ fn template(command: &clap::Command) -> String {
         let about_command = command.find_subcommand(name).and_then(clap::Command::get_about);
         format!("  {name:<12} {}\n", about_command.map(ToString::to_string).unwrap_or_default())
     };
-    let group = |(title, names): &(&str, &[&str])| {
+    let group = |(title, names): (&str, Vec<&str>)| {
         let lines: String = names.iter().map(|name| about(name)).collect();
         format!("{title}:\n{lines}\n")
     };
-    let groups: String = GROUPS.iter().map(group).collect();
+    let groups: String = groups().map(group).collect();
     format!(
         "{{about-with-newline}}\n{{usage-heading}} {{usage}}\n\n{groups}Options:\n{{options}}{{after-help}}\n"
     )
@@ -119,7 +125,7 @@ pub(super) fn hint(said: &clap::Error) -> Option<String> {
     };
     let registry = Scenes::new(None).registry().ok();
     let scenes: Vec<&str> = registry.iter().flat_map(|registry| registry.names()).collect();
-    let commands = GROUPS.iter().flat_map(|(_, names)| names.iter().copied());
+    let commands = groups().flat_map(|(_, names)| names);
     let of_scene =
         |scene: &str| format!("`sweep run {scene}` runs it, `sweep check {scene}` says what it is");
     if scenes.contains(&word.as_str()) {
@@ -196,8 +202,7 @@ mod tests {
         let mut command = Arguments::command();
         command.build();
         let mut there: Vec<&str> = command.get_subcommands().map(clap::Command::get_name).collect();
-        let mut grouped: Vec<&str> =
-            GROUPS.iter().flat_map(|(_, names)| names.iter().copied()).collect();
+        let mut grouped: Vec<&str> = groups().flat_map(|(_, names)| names).collect();
         there.sort_unstable();
         grouped.sort_unstable();
         assert_eq!(there, grouped);
@@ -206,6 +211,7 @@ mod tests {
             text.contains("  run          Run refinement sweeps")
                 && !text.contains("  run          \n")
         );
+        assert!(STUDIES.iter().all(|study| text.contains(study.about)), "{text}");
     }
 
     #[test]

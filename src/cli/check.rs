@@ -9,7 +9,7 @@ use super::list::{terms, truth};
 use super::machine::Common;
 use super::scenes::Grid;
 use super::{
-    CliError, Scenes, TABLE_WIDTH, abstract_problem, meshes_fit, no_case, print_beside, print_json,
+    CliError, Scenes, TABLE_WIDTH, abstract_problem, meshes_fit, print_beside, print_json,
     print_text, width,
 };
 use clap::Args;
@@ -77,7 +77,7 @@ impl Check {
         limit: &MemoryLimit,
     ) -> Result<Vec<Measured>, CliError> {
         if plan.cases.is_empty() {
-            return Err(no_case(plan.scene(), "run"));
+            return Err(plan.scene().no_case("run").into());
         }
         let largest = plan.cases.iter().max_by_key(|case| (case.n, Reverse(case.steps)));
         let longest = plan.cases.iter().max_by_key(|case| (case.steps, Reverse(case.n)));

@@ -34,7 +34,7 @@ use output::{
     TABLE_WIDTH, create_dir, delivered, print_as_it_is, print_beside, print_error, print_json,
     print_text, print_verdicts, prints_all, verdict_table, width, write_file,
 };
-use scenes::{Scenes, meshes_fit, no_case, subject};
+use scenes::{Scenes, meshes_fit, note_groups, subject};
 
 /// Parses the arguments of the process and runs the command.
 pub fn main() -> ExitCode {
@@ -60,11 +60,9 @@ pub fn run_with(words: impl IntoIterator<Item = OsString>) -> u8 {
         Command::Baseline(baseline) => baseline.execute(&scenes),
         Command::List(list) => list.execute(&scenes),
         Command::Check(check) => check.execute(&scenes),
-        Command::Audit(audit) => audit.execute(&scenes),
         Command::Diagnose(diagnose) => diagnose.execute(&scenes),
         Command::Solve(solve) => solve.execute(&scenes),
-        Command::Bound(bound) => bound.execute(&scenes),
-        Command::Gronwall(gronwall) => gronwall.execute(&scenes),
+        Command::Study(study) => study.execute(&scenes),
         Command::Extremes(extremes) => extremes.execute(),
         Command::Trade(trade) => trade.execute(&scenes),
         Command::Fit(fit) => fit.execute(),

@@ -22,7 +22,7 @@ use studies::portrait::scene_summary;
 /// folder.
 #[derive(Args)]
 #[command(
-    after_help = "Written into DIR: verdict.json, index.html, report.md (for pull requests), tables.tex (LaTeX, booktabs), report.typ with report.json (Typst), pictures. The results that bound, gronwall, audit, trade and extremes wrote with --out DIR become chapters, with their pictures and those of solve --pictures. An incomplete file is refused (exit code 2). `make report` writes some of each.\n\nExit codes: those of the verdicts. Also 2 if a planned case is missing, the records are from another version of the program, a row was changed or is incomplete, or a sweep is still writing into DIR. What is missing is named, also in the report.\n\nExamples:\n  sweep report reports/latest\n  sweep report reports/latest --pdf report.pdf --date 2026-01-31     (`make pdf` builds what sets it)"
+    after_help = "Written into DIR: verdict.json, index.html, report.md (for pull requests), tables.tex (LaTeX, booktabs), report.typ with report.json (Typst), pictures. The results that studies (bound, trade, …) wrote with --out DIR become chapters, with their pictures and those of solve --pictures. An incomplete file is refused (exit code 2). `make report` writes some of each.\n\nExit codes: those of the verdicts. Also 2 if a planned case is missing, the records are from another version of the program, a row was changed or is incomplete, or a sweep is still writing into DIR. What is missing is named, also in the report.\n\nExamples:\n  sweep report reports/latest\n  sweep report reports/latest --pdf report.pdf --date 2026-01-31     (`make pdf` builds what sets it)"
 )]
 pub(crate) struct Report {
     /// Directory with cases.csv

@@ -35,11 +35,7 @@ impl Scenes {
         }
     }
 
-    /// A scene by name or path, made computable.
-    pub(super) fn subject(&self, name: &str, limit: &MemoryLimit) -> Result<Subject, CliError> {
-        subject(self.scene(name)?, limit)
-    }
-
+    /// A scene by name or path.
     pub(super) fn scene(&self, name: &str) -> Result<Scene, CliError> {
         // A path needs no folder of scenes.
         if name.ends_with(".toml") {
@@ -69,6 +65,12 @@ impl Scenes {
 /// Makes a scene computable, if its constants fit into memory.
 pub(super) fn subject(scene: Scene, limit: &MemoryLimit) -> Result<Subject, CliError> {
     admit_constants(&scene, false, limit)?;
+    note_groups(&scene);
+    Ok(Subject::new(scene)?)
+}
+
+/// Says which groups of a mesh file bound nothing.
+pub(super) fn note_groups(scene: &Scene) {
     let inner = scene.as_contact().map_or(&[][..], |body| body.domain.inner_groups());
     if !inner.is_empty() {
         let groups = inner.join(", ");
@@ -78,7 +80,6 @@ pub(super) fn subject(scene: Scene, limit: &MemoryLimit) -> Result<Subject, CliE
         );
         super::output::note(&line);
     }
-    Ok(Subject::new(scene)?)
 }
 
 /// Refuses a scene whose meshes do not fit into memory, before any is made.
@@ -90,12 +91,6 @@ pub(super) fn meshes_fit(setup: &Setup, limit: &MemoryLimit) -> Result<(), CliEr
         admit_run(setup, None, (n, 1), limit)
             .map_err(|error| CliError::about(format!("{} n = {n}", setup.scene.name), error))
     })
-}
-
-/// The error for a scene without cases; `purpose` is e.g. `run` or `audit`.
-pub(super) fn no_case(scene: &Scene, purpose: &str) -> CliError {
-    let hint = "add [sweep] with n and steps, or give --n and --steps";
-    scene.error("scene.name", format!("the scene has no case to {purpose}"), hint).into()
 }
 
 // Arguments that select scenes and grids, shared by several commands.
@@ -163,7 +158,7 @@ impl Chosen {
             let plan = ScenePlan::new(subject(scene, limit)?, overrides);
             match (plan.cases.is_empty(), self.named()) {
                 (true, false) => return Ok(None),
-                (true, true) => return Err(no_case(plan.scene(), "run")),
+                (true, true) => return Err(plan.scene().no_case("run").into()),
                 (false, _) => {}
             }
             let (name, remark) = (plan.scene().name.clone(), plan.step_remark()?);

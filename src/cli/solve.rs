@@ -112,7 +112,7 @@ impl Solve {
                 Err(setup.scene.error("scene.kind", message, hint).into())
             }
             (Subject::Abstract(setup), n) => {
-                abstract_problem::no_mesh(&setup.scene, n)?;
+                studies::study::no_mesh(&setup.scene, n)?;
                 let (steps, solver) = (self.steps, self.solver.of_levels());
                 let bound = self.decomposes().then(|| abstract_decomposition_bound(&setup, steps));
                 self.remark_on(&setup.scene.name, bound);

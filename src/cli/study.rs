@@ -3,18 +3,15 @@
 use std::path::{Path, PathBuf};
 
 use super::machine::{Common, processors, share_threads};
-use super::{CliError, Scenes, create_dir, no_case, print_json, print_text, width};
-use clap::Args;
+use super::{CliError, Scenes, create_dir, note_groups, print_json, print_text, width};
+use clap::error::ErrorKind;
+use clap::{ArgAction, ArgMatches, Args, Command, FromArgMatches, Subcommand, value_parser};
 use files::counted;
 use report::{Findings, StudyDocument};
-use run::sweep::{Overrides, admit_constants};
-use scene::setup::{Setup, Subject};
-use scene::{Extension, Scene};
 use studies::diagnose::{admit_diagnosis, diagnose};
 use studies::extremes::{Ladder, UnderTest, admit, catalogue, climb, found};
-use studies::theory::audit::{audit, audit_runs};
-use studies::theory::bound::{self, BoundStudy};
-use studies::theory::gronwall::{self, StudyRuns};
+use studies::study::{Asked, Study, StudyError};
+use studies::theory::STUDIES;
 use studies::trade::{Trade, TradeError, Wanted, measurable, trade};
 
 /// Prints findings, and writes their files if a directory is given. The exit code: 1 unless every claim holds.
@@ -31,170 +28,104 @@ pub(super) fn show(findings: &Findings, out: Option<&Path>, as_json: bool) -> Re
     Ok(u8::from(!findings.holds()))
 }
 
-// `sweep bound`: the step-size bound (3.4) in four numbers, with its constants.
+// `sweep audit`, `bound`, `gronwall`: the studies of one scene, each by what it says of itself.
 
-/// `sweep bound`.
+/// One of [`STUDIES`].
+pub(crate) struct StudyCommand {
+    study: &'static Study,
+    arguments: StudyArguments,
+}
+
 #[derive(Args)]
-#[command(
-    after_help = "Every inequality is a claim: measured factors <= sharpened <= (3.15) at each step size of a ladder, thresholds in their order, samples of the law <= what it declares. A step has lost its solution where Newton's method finds none from the solution at the largest smaller k, that of the run and random states, or only one whose tangent is singular or beyond: bisected in k. \
-Keys of --json: docs/JSON.md. Files with --out: SCENE-bound.json, SCENE-bound-claims.csv, SCENE-bound.svg. Exit code 1: a claim does not hold."
-)]
-pub(crate) struct BoundCommand {
+struct StudyArguments {
     /// Name of a scene, or path of a TOML file
     scene: String,
-    /// Cells per unit length of the mesh on which the factors are measured, h = 1/n [default: 16]
-    #[arg(long, value_parser = clap::value_parser!(u32).range(2..=128))]
-    n: Option<u32>,
-    /// Number N of time steps of the run whose worst level is studied [default: the scene's smallest]
-    #[arg(long, value_parser = clap::value_parser!(u32).range(1..=100_000))]
-    steps: Option<u32>,
-    /// Write SCENE-bound.json, its claims as CSV and its picture into this directory
-    #[arg(long, value_name = "DIR")]
-    out: Option<PathBuf>,
-    #[command(flatten)]
-    common: Common,
-}
-
-/// Default mesh of the measured factors.
-const MESH: u32 = 16;
-
-impl BoundCommand {
-    pub(super) fn execute(&self, scenes: &Scenes) -> Result<u8, CliError> {
-        let subject = scenes.subject(&self.scene, &self.common.allowance.limit())?;
-        let scene = subject.scene();
-        let singular = "it puts sup |q| beside k, not k^(1-a)";
-        scene.without(&[Extension::SingularKernel], "sweep bound", singular)?;
-        let fewest = scene.sweep.as_ref().and_then(|sweep| sweep.steps.iter().min().copied());
-        let steps = self.steps.or(fewest).unwrap_or(8);
-        scene.check_steps(&[steps])?;
-        let bound = match &subject {
-            Subject::Contact(setup) => {
-                let n = self.n.unwrap_or(MESH);
-                scene.check_cells(n)?;
-                bound::study_runs(setup, n, steps).admit(&self.common.allowance.limit())?;
-                BoundStudy::new(setup, n, steps)
-            }
-            // An abstract problem keeps a few numbers per level.
-            Subject::Abstract(setup) => {
-                super::abstract_problem::no_mesh(scene, self.n)?;
-                BoundStudy::of_abstract(setup, steps)
-            }
-        }
-        .map_err(|error| CliError::about(&scene.name, error))?;
-        show(&bound.findings(), self.out.as_deref(), self.common.json)
-    }
-}
-
-// `sweep gronwall`: truncation errors, envelopes and their effectivities, perturbations.
-
-/// `sweep gronwall`.
-#[derive(Args)]
-#[command(
-    after_help = "Effectivity = bound / measured error. The chain e <= weighted envelope <= primed envelope <= closed form, primed <= printed envelope <= its closed form is claimed at every n of every run. So is that the difference of two solutions under perturbed loads stays below its recurrence. Exit code 1: a claim fails; it is named with the first n at which it does.\n\nKeys of --json: docs/JSON.md.\n\nFiles with --out: SCENE-gronwall.csv (every level of every run), SCENE-gronwall.json, SCENE-gronwall-claims.csv, SCENE-gronwall-envelope.svg."
-)]
-pub(crate) struct Gronwall {
-    /// Name of a scene, or path of a TOML file
-    scene: String,
-    /// Cells per unit length, h = 1/n; abstract scenes have none [default: the first of the scene's list]
-    #[arg(long, value_parser = clap::value_parser!(u32).range(1..=4096))]
-    n: Option<u32>,
-    /// Numbers N of time steps, k = T/N [default: the scene's list up to 1024]
-    #[arg(long, value_name = "LIST", value_delimiter = ',', value_parser = clap::value_parser!(u32).range(1..=100_000))]
-    steps: Option<Vec<u32>>,
-    /// Directory for SCENE-gronwall.csv, SCENE-gronwall.json, its claims as CSV and the pictures
-    #[arg(long, value_name = "DIR")]
-    out: Option<PathBuf>,
-    #[command(flatten)]
-    common: Common,
-}
-
-/// Most steps taken from the scene's list: the weighted envelope takes O(N²).
-const MOST_STEPS: u32 = 1024;
-
-impl Gronwall {
-    pub(super) fn execute(&self, scenes: &Scenes) -> Result<u8, CliError> {
-        let scene = scenes.scene(&self.scene)?;
-        let plan = self.plan(&scene)?;
-        if let Some(n) = plan.n.filter(|_| scene.as_contact().is_some()) {
-            scene.check_cells(n)?;
-        }
-        scene.check_steps(&plan.steps)?;
-        admit_constants(&scene, true, &self.common.allowance.limit())?;
-        let subject = Subject::new(scene)?;
-        // An abstract problem keeps a few numbers per level.
-        if let (Subject::Contact(setup), Some(n)) = (&subject, plan.n) {
-            gronwall::study_runs(setup, n, &plan).admit(&self.common.allowance.limit())?;
-        }
-        let found = gronwall::study(&subject, &plan).map_err(CliError::other)?;
-        show(&found, self.out.as_deref(), self.common.json)
-    }
-
-    fn plan(&self, scene: &Scene) -> Result<StudyRuns, CliError> {
-        let sweep = scene.sweep.as_ref();
-        let n = self.n.or_else(|| sweep.and_then(|sweep| sweep.n.first().copied()));
-        let admitted =
-            |list: &Vec<u32>| list.iter().copied().filter(|&steps| steps <= MOST_STEPS).collect();
-        let steps = self.steps.clone().or_else(|| sweep.map(|sweep| admitted(&sweep.steps)));
-        let Some(mut steps) = steps.filter(|steps| !steps.is_empty()) else {
-            return Err(CliError::other("no numbers of steps: give --steps 16,32,64"));
-        };
-        steps.sort_unstable();
-        steps.dedup();
-        Ok(StudyRuns { n, steps })
-    }
-}
-
-// `sweep audit`: the inequalities of the proofs of Theorems 10 and 11, on real runs.
-
-/// Largest n taken from a scene's list.
-const FINEST: u32 = 64;
-
-/// `sweep audit`.
-#[derive(Args)]
-#[command(
-    after_help = "Eight inequalities of the proofs, (2.9), (4.7), (4.9), (4.14), (4.16), (4.17), (4.20) and (5.23), at every level, on the numbers of the solver and of the exact solution, by the boundary rule of the scene; what that rule and the load vector add to (4.9) is E_q. A claim is an inequality in a run, at the level where it is tightest: both sides, what rounding allows, left/right. \
-Keys of --json: docs/JSON.md. Files with --out: SCENE-audit.json, SCENE-audit-claims.csv. \
-Exit code 1: an inequality is violated beyond its accuracy or has no defined constant (m0 <= 0)."
-)]
-pub(crate) struct Audit {
-    /// Name of a scene with an exact solution, or path of a TOML file
-    scene: String,
-    /// Cells per unit length, h = 1/n, in place of the scene's list up to 64
-    #[arg(long, value_name = "LIST", value_delimiter = ',', value_parser = clap::value_parser!(u32).range(1..=512))]
+    #[arg(long, value_name = "LIST", value_delimiter = ',', action = ArgAction::Set)]
     n: Option<Vec<u32>>,
-    /// Numbers N of time steps, k = T/N, in place of the scene's list
-    #[arg(long, value_name = "LIST", value_delimiter = ',', value_parser = clap::value_parser!(u32).range(1..=100_000))]
+    #[arg(long, value_name = "LIST", value_delimiter = ',', action = ArgAction::Set)]
     steps: Option<Vec<u32>>,
-    /// Write SCENE-audit.json and SCENE-audit-claims.csv into this directory
+    /// Write the JSON, its claims as CSV and the pictures into this directory
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
     #[command(flatten)]
     common: Common,
 }
 
-impl Audit {
-    pub(super) fn execute(&self, scenes: &Scenes) -> Result<u8, CliError> {
+impl StudyCommand {
+    pub(super) fn execute(self, scenes: &Scenes) -> Result<u8, CliError> {
         share_threads()?;
-        let scene = scenes.scene(&self.scene)?;
-        admit_constants(&scene, true, &self.common.allowance.limit())?;
-        let setup = Setup::new(scene)?;
-        let (ns, steps) = self.grids(&setup)?;
-        audit_runs(&setup, &ns, &steps, processors()).admit(&self.common.allowance.limit())?;
-        let findings = audit(&setup, &ns, &steps).map_err(CliError::other)?;
-        show(&findings, self.out.as_deref(), self.common.json)
+        let StudyArguments { scene, n, steps, out, common } = self.arguments;
+        let scene = scenes.scene(&scene)?;
+        note_groups(&scene);
+        let asked = Asked { n, steps, limit: common.allowance.limit(), jobs: processors() };
+        show(&(self.study.run)(scene, &asked)?, out.as_deref(), common.json)
+    }
+}
+
+impl From<StudyError> for CliError {
+    fn from(error: StudyError) -> Self {
+        match error {
+            StudyError::Scene(error) => error.into(),
+            StudyError::Setup(error) => error.into(),
+            StudyError::Memory(error) => error.into(),
+            StudyError::Other(words) => Self::Other(words),
+        }
+    }
+}
+
+fn command(study: &Study) -> Command {
+    let name = study.name;
+    let also = if study.files.is_empty() { String::new() } else { format!(", {}", study.files) };
+    let help = format!(
+        "{}\n\nKeys of --json: docs/JSON.md.\n\nFiles with --out: SCENE-{name}.json, SCENE-{name}-claims.csv{also}.",
+        study.help
+    );
+    // What the options say of themselves as a group comes first, and is replaced.
+    let command = StudyArguments::augment_args(Command::new(name));
+    let command = command.about(study.about).after_help(help);
+    [("n", "N", &study.n), ("steps", "STEPS", &study.steps)].into_iter().fold(
+        command,
+        |command, (option, value, sizes)| {
+            let range = i64::from(sizes.least)..=i64::from(sizes.most);
+            command.mut_arg(option, |arg| {
+                let arg = arg.help(sizes.help).value_parser(value_parser!(u32).range(range));
+                match sizes.many {
+                    true => arg,
+                    false => arg.value_delimiter(None).value_name(value),
+                }
+            })
+        },
+    )
+}
+
+impl FromArgMatches for StudyCommand {
+    fn from_arg_matches(matches: &ArgMatches) -> Result<Self, clap::Error> {
+        let chosen = matches.subcommand().and_then(|(name, matches)| {
+            Some((STUDIES.into_iter().find(|study| study.name == name)?, matches))
+        });
+        let Some((study, matches)) = chosen else {
+            return Err(clap::Error::new(ErrorKind::InvalidSubcommand));
+        };
+        Ok(Self { study, arguments: StudyArguments::from_arg_matches(matches)? })
     }
 
-    fn grids(&self, setup: &Setup) -> Result<(Vec<u32>, Vec<u32>), CliError> {
-        let scene = &setup.scene;
-        Overrides { n: self.n.clone(), steps: self.steps.clone() }.check(scene)?;
-        let mut own = scene.sweep.clone().unwrap_or_default();
-        own.n.retain(|n| *n <= FINEST);
-        let ns = self.n.clone().unwrap_or(own.n);
-        let steps = self.steps.clone().unwrap_or(own.steps);
-        if ns.is_empty() || steps.is_empty() {
-            return Err(no_case(scene, "audit"));
-        }
-        Ok((ns, steps))
+    fn update_from_arg_matches(&mut self, matches: &ArgMatches) -> Result<(), clap::Error> {
+        *self = Self::from_arg_matches(matches)?;
+        Ok(())
+    }
+}
+
+impl Subcommand for StudyCommand {
+    fn augment_subcommands(program: Command) -> Command {
+        STUDIES.into_iter().fold(program, |program, study| program.subcommand(command(study)))
+    }
+
+    fn augment_subcommands_for_update(program: Command) -> Command {
+        Self::augment_subcommands(program)
+    }
+
+    fn has_subcommand(name: &str) -> bool {
+        STUDIES.into_iter().any(|study| study.name == name)
     }
 }
 

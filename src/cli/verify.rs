@@ -13,7 +13,7 @@ use super::machine::on_interrupt;
 use super::scenes::Grid;
 use super::swept::Swept;
 use super::swept::{annotate, on_github};
-use super::{CliError, Scenes, TABLE_WIDTH, no_case, print_json, print_text, verdict_table, width};
+use super::{CliError, Scenes, TABLE_WIDTH, print_json, print_text, verdict_table, width};
 use files::shortened;
 use judge::record::{CaseRecord, Key};
 use judge::verdict::{Failure, failures};
@@ -170,7 +170,7 @@ impl Verify {
         admit_constants(&scene, false, &self.allowance.limit())?;
         let plan = plan_for(scheme, scene, &self.grid.overrides(), self.pressure)?;
         if plan.cases.is_empty() {
-            return Err(no_case(plan.scene(), "verify"));
+            return Err(plan.scene().no_case("verify").into());
         }
         Ok(plan)
     }

@@ -12,7 +12,7 @@ use serde_json::Value;
 use crate::program::{Folder, json, stderr, sweep};
 
 /// A section of the page, by its heading, and what is run for it; `DIR` is a folder of the test.
-const RUNS: [(&str, &[&str]); 14] = [
+const RUNS: &[(&str, &[&str])] = &[
     (
         "run, gate, merge",
         &[
@@ -121,7 +121,7 @@ fn printed() -> Sections {
     let folder = Folder::new("json-reference");
     prepare(&folder);
     let mut found = Sections::new();
-    for (section, runs) in RUNS {
+    for &(section, runs) in RUNS {
         for run in runs {
             let run = format!("{run} --json").replace("DIR", &folder.argument(""));
             let output = sweep(&run.split_whitespace().collect::<Vec<_>>());
@@ -204,6 +204,22 @@ fn written(page: &str) -> BTreeMap<String, Vec<[String; 3]>> {
     sections
 }
 
+/// Commands that take --json and are never run here.
+fn unseen(runs: &[(&str, &[&str])]) -> Vec<String> {
+    let help = |words: &[&str]| String::from_utf8_lossy(&sweep(words).stdout).into_owned();
+    let program = help(&["--help"]);
+    let listed = program.lines().filter_map(|line| line.strip_prefix("  ")?.split_once(' '));
+    // The first letter tells a command from an example or an option.
+    let commands = listed.map(|(name, _)| name).filter(|name| {
+        *name != "sweep" && name.starts_with(|first: char| first.is_ascii_lowercase())
+    });
+    let takes = commands.filter(|name| help(&[name, "--help"]).contains("--json"));
+    let ran = |name: &&str| {
+        runs.iter().any(|(_, runs)| runs.iter().any(|run| run.split(' ').next() == Some(name)))
+    };
+    takes.filter(|name| !ran(name)).map(str::to_owned).collect()
+}
+
 fn differences(page: &str, printed: &Sections) -> Vec<String> {
     let written = written(page);
     let mut wrong = Vec::new();
@@ -241,7 +257,7 @@ fn rewritten(page: &str, printed: &Sections) -> String {
     let mut text = page.split("\n## ").next().unwrap_or_default().to_owned();
     let mut shared = SHARED.map(|(_, section)| section).to_vec();
     shared.dedup();
-    let order = shared[..4].iter().copied().chain(RUNS.map(|(section, _)| section));
+    let order = shared[..4].iter().copied().chain(RUNS.iter().map(|(section, _)| *section));
     for section in order {
         let rows = old.get(section).unwrap_or(&nothing);
         let _ = write!(text, "\n## {section}\n\n| key | type | what |\n|---|---|---|\n");
@@ -268,6 +284,9 @@ fn every_key_of_json_is_in_the_reference() {
         return;
     }
     assert_eq!(differences(&page, &printed), Vec::<String>::new());
+    // gate and merge print what run prints.
+    assert_eq!(unseen(RUNS), ["gate", "merge"]);
+    assert!(unseen(&RUNS[1..RUNS.len() - 1]).contains(&"extremes".to_owned()));
     // A key that is renamed, one of another type, and one that the page lacks are seen.
     let seeded = |from: &str, to: &str| differences(&page.replacen(from, to, 1), &printed);
     assert_eq!(seeded("| `probability` |", "| `chance` |").len(), 2);

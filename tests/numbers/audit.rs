@@ -1,4 +1,4 @@
-//! Source: the proofs of Theorems 10 and 11: (2.9), (4.7), (4.9), (4.14), (4.16), (4.17), (4.20), (5.23).
+//! Source: the proofs of Theorems 10 and 11: (2.9), (4.7), (4.9), (4.14), (4.16), (4.17), (4.19), (4.20), (5.23).
 //! Goal: every inequality holds on sound runs of all kinds of scenes, under every boundary rule; one that a scene has no right to
 //!   fails; and every seeded defect is caught by an inequality, as in the tables below.
 //! Mesh: 8 × 8 squares, N = 4 unless a test says otherwise.
@@ -15,8 +15,8 @@ use vhi::Newton;
 use vhi::history::{TimeGrid, TimeRule, Trapezoid};
 use vhi::law::{AnyProjection, MemoryKernel, PiecewiseLinear, VonMises, YieldLimit};
 
-const LINES: [&str; 8] =
-    ["(2.9)", "(4.7)", "(4.9)", "(4.14)", "(4.16)", "(4.17)", "(4.20)", "(5.23)"];
+const LINES: [&str; 9] =
+    ["(2.9)", "(4.7)", "(4.9)", "(4.14)", "(4.16)", "(4.17)", "(4.19)", "(4.20)", "(5.23)"];
 
 fn audited(setup: &Setup, ns: &[u32], steps: &[u32]) -> Findings {
     audit(setup, ns, steps).expect("an audit")
@@ -213,12 +213,13 @@ fn under(name: &str, change: impl Fn(&mut AuditConstants)) -> Vec<&'static str> 
 #[test]
 fn wrong_constants_are_caught() {
     type Change = fn(&mut AuditConstants);
-    let cases: [(&[&str], &str, Change); 9] = [
+    let cases: [(&[&str], &str, Change); 10] = [
         (&["(4.7)"], "pure-mild", |c| c.m_a = c.l_a),
         (&["(4.17)"], "pure-mild", |c| c.l_a = 1.0),
         (&["(4.14)"], "pure-mild", |c| c.alpha_phi = 0.0),
         (&["(4.14)"], "viscoelastic", |c| c.beta_phi = 0.0),
         (&["(4.16)"], "affine", |c| c.alpha_j = 0.0),
+        (&["(4.19)"], "viscoelastic", |c| c.history = 0.0),
         (&["(2.9)"], "affine", |c| c.c_j_squared = 0.9),
         (&["(5.23)"], "pure-concave-gap", |c| c.c0 = -0.2),
         (&["(4.20)"], "pure-mild", |c| c.m_a = 1000.0),

@@ -254,6 +254,12 @@ impl Scene {
         self.check_cases(n, steps)
     }
 
+    /// The error for a scene without cases; `purpose` is e.g. `run` or `verify`.
+    pub fn no_case(&self, purpose: &str) -> SceneError {
+        let hint = "add [sweep] with n and steps, or give --n and --steps";
+        self.error("scene.name", format!("the scene has no case to {purpose}"), hint)
+    }
+
     /// Checks numbers of cells and steps that the file does not list.
     ///
     /// # Errors

@@ -5,5 +5,6 @@ pub mod extremes;
 pub mod guarantee;
 pub mod portrait;
 pub mod solution;
+pub mod study;
 pub mod theory;
 pub mod trade;

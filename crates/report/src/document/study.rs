@@ -11,7 +11,7 @@ use crate::ReportError;
 use crate::pictures::names;
 use files::{read_text, replace_file};
 
-/// The chapter of a study.
+/// The chapter of a study; they stand in this order in a report.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Chapter {
@@ -28,21 +28,37 @@ pub enum Chapter {
     Extremes,
 }
 
+// The last one tells how many there are: a chapter that is not in the list does not compile.
+const _: () = assert!(Chapter::ALL.len() == Chapter::Extremes as usize + 1);
+
 impl Chapter {
+    pub(crate) const ALL: [Self; 6] =
+        [Self::Bound, Self::Gronwall, Self::Audit, Self::Trade, Self::Diagnose, Self::Extremes];
+
     /// Its name in files and links.
     pub(crate) fn name(self) -> String {
         format!("{self:?}").to_lowercase()
     }
 
-    pub(crate) fn command(self) -> &'static str {
+    /// Its command, and what may fail in it.
+    fn about(self) -> [&'static str; 2] {
         match self {
-            Self::Bound => "bound SCENE",
-            Self::Gronwall => "gronwall SCENE",
-            Self::Audit => "audit SCENE",
-            Self::Trade => "trade SCENE",
-            Self::Diagnose => "diagnose SCENE",
-            Self::Extremes => "extremes",
+            Self::Bound => ["bound SCENE", "(3.4)"],
+            Self::Gronwall => ["gronwall SCENE", "Gronwall's inequality"],
+            Self::Audit => ["audit SCENE", "the inequalities of the proof"],
+            Self::Trade => ["trade SCENE", "trade"],
+            Self::Diagnose => ["diagnose SCENE", "which term is at fault"],
+            Self::Extremes => ["extremes", "extremes"],
         }
+    }
+
+    pub(crate) fn command(self) -> &'static str {
+        self.about()[0]
+    }
+
+    /// What may fail in it, for a sentence.
+    pub(crate) fn subject(self) -> &'static str {
+        self.about()[1]
     }
 
     /// The chapter of a file, by its name.

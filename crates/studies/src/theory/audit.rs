@@ -1,4 +1,4 @@
-//! Eight inequalities of the proofs of Theorems 10 and 11 at every t_n of real runs, on the numbers of the solver and of the
+//! Inequalities of the proofs of Theorems 10 and 11 at every t_n of real runs, on the numbers of the solver and of the
 //! truth: u^{kh}, its history and pressures and the forces that they leave; ε(u), σ, ξ + λ and F of the exact side.
 //!
 //! v^h is the nodal interpolant of u. ε(u) and σ enter by their L² projections onto the strains of V^h, which test functions
@@ -8,6 +8,7 @@
 use std::sync::Arc;
 
 use super::norms::remembered;
+use crate::study::{Asked, Sizes, Study, StudyError};
 use algebra::tensor::{Symmetric, contract, norm};
 use exact::{
     Exact, ExactData, ExactOnMesh, InterpolatedOnMesh, LoadForm, MaterialNumbers, RegionNumbers,
@@ -24,14 +25,44 @@ use formula::{BoundProgram, Program};
 use judge::claim::{Claim, Place, Standing, Statement};
 use rayon::prelude::*;
 use report::{Chapter, Findings, digits};
-use run::sweep::{Runs, run_cost};
+use run::sweep::{Runs, admit_constants, run_cost};
 use scene::setup::{MeshData, Setup, SetupError, constants};
-use scene::{Extension, Face, TimeRule};
+use scene::{Extension, Face, Scene, TimeRule};
 use serde::{Serialize, Serializer};
 use serde_json::json;
 use vhi::history::{Accumulated, Memory, TimeGrid};
 use vhi::law::{Potential, Projection};
 use vhi::monotonicity;
+
+/// Largest n taken from a scene's list.
+const FINEST: u32 = 64;
+
+pub const STUDY: Study = Study {
+    name: "audit",
+    about: "Check the proofs of Theorems 10 and 11 line by line on real runs",
+    help: "Inequalities of the proofs, (2.9), (4.7), (4.9), (4.14), (4.16), (4.17), (4.19), (4.20) and (5.23), at every level, on the numbers of the solver and of the exact solution, by the boundary rule of the scene; what that rule and the load vector add to (4.9) is E_q. A claim is an inequality in a run, at the level where it is tightest: both sides, what rounding allows, left/right. Exit code 1: an inequality is violated beyond its accuracy or has no defined constant (m0 <= 0).",
+    n: Sizes::list(
+        [1, 512],
+        "Cells per unit length, h = 1/n, in place of the scene's list up to 64",
+    ),
+    steps: Sizes::list(
+        [1, 100_000],
+        "Numbers N of time steps, k = T/N, in place of the scene's list",
+    ),
+    files: "",
+    run: of_scene,
+};
+
+fn of_scene(scene: Scene, asked: &Asked) -> Result<Findings, StudyError> {
+    admit_constants(&scene, true, &asked.limit)?;
+    let setup = Setup::new(scene)?;
+    let (ns, steps) = asked.grid(&setup.scene, FINEST)?;
+    audit_runs(&setup, &ns, &steps, asked.jobs).admit(&asked.limit)?;
+    audit(&setup, &ns, &steps).map_err(|error| match error {
+        AuditError::Setup(error) => error.into(),
+        other => StudyError::other(other),
+    })
+}
 
 // The constants that the bounds take, with whether each is a proved upper bound.
 
@@ -142,7 +173,7 @@ const ROUNDING: f64 = 1e-12;
 const NATURAL: f64 = 4e-14;
 
 /// In the order of their numbers.
-const STATEMENTS: [Statement; 8] = [
+const STATEMENTS: [Statement; 9] = [
     Statement { source: "(2.9)", says: "|u_nu - u_h,nu|^2 <= c_j^2 e^2" },
     Statement { source: "(4.7)", says: "m_A e^2 <= <Au - Au_h, u - u_h>" },
     Statement {
@@ -155,6 +186,7 @@ const STATEMENTS: [Statement; 8] = [
         says: "E_j <= (2 c0 + c1 |u_nu| + c1 |u_h,nu|) delta + alpha_j |u_nu - u_h,nu|^2",
     },
     Statement { source: "(4.17)", says: "E_A <= L_A e d" },
+    Statement { source: "(4.19)", says: "Y <= g_n + |R||q| k sum_j e_j" },
     Statement {
         source: "(4.20)",
         says: "e <= C (d + sqrt(delta) + sqrt(|E_n| + |E_q|)) + C (g_n + |R||q| k sum_j e_j), constants written out",
@@ -367,6 +399,7 @@ impl<'a> Auditor<'a> {
             [volume.phi1, (c.alpha_phi * e + c.beta_phi * history) * e_h, stress * e_h, energy],
             [contact.e_j, growth * delta + c.alpha_j * contact.trace, 0.0, energy],
             [volume.operator, c.l_a * e_h * d_h, 0.0, energy],
+            [history, remembered, 0.0, c.history * size * t],
             [e, bound, 0.0, size],
             [contact.e_n.abs(), pressures * delta, 0.0, energy],
         ];

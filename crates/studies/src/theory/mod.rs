@@ -5,3 +5,8 @@ pub mod bound;
 pub mod corner;
 pub mod gronwall;
 pub mod norms;
+
+use crate::study::Study;
+
+/// The studies of one scene that are commands.
+pub const STUDIES: [&Study; 3] = [&audit::STUDY, &bound::STUDY, &gronwall::STUDY];

@@ -16,24 +16,19 @@ use super::{Chapter, Run, Section, StudyDocument, Tone};
 
 /// The chapters that have something to show, and a last section that names the commands of the others.
 pub(super) fn chapters(report: &Report<'_>) -> Vec<Section> {
-    let mut all = vec![opening::bound(), step_size::section(report)];
-    all.extend(studies(report, Chapter::Bound));
+    let mut all = Vec::new();
     let broken = broken::chapter(report);
-    let kinds = [
-        (Chapter::Gronwall, opening::gronwall as fn() -> Section),
-        (Chapter::Audit, opening::audit),
-        (Chapter::Trade, opening::trade),
-        (Chapter::Extremes, opening::extremes),
-    ];
-    for (chapter, opening) in kinds {
+    for chapter in Chapter::ALL {
         if chapter == Chapter::Trade {
             all.extend(broken.clone());
         }
         let studies = studies(report, chapter);
-        if !studies.is_empty() {
-            all.push(opening());
-            all.extend(studies);
+        // The bounds of the scenes are known without a study.
+        let bounds = (chapter == Chapter::Bound).then(|| step_size::section(report));
+        if bounds.is_some() || !studies.is_empty() {
+            all.extend(opening::of(chapter));
         }
+        all.extend(bounds.into_iter().chain(studies));
     }
     all.extend(absent(report, broken.is_none()));
     all
@@ -46,15 +41,11 @@ pub(super) fn failures(studies: &[StudyDocument]) -> Vec<(String, String)> {
 }
 
 fn failure(study: &StudyDocument) -> String {
-    let what = match study.chapter {
-        Chapter::Bound => "(3.4)",
-        Chapter::Gronwall => "Gronwall's inequality",
-        Chapter::Audit => "the inequalities of the proof",
-        Chapter::Trade => "trade",
-        Chapter::Diagnose => "which term is at fault",
-        Chapter::Extremes => return "extremes: not every test is as expected".into(),
-    };
-    format!("{what}, {}: not everything holds", study.scene.as_deref().unwrap_or("no scene"))
+    let what = study.chapter.subject();
+    match &study.scene {
+        Some(scene) => format!("{what}, {scene}: not everything holds"),
+        None => format!("{what}: not everything holds"),
+    }
 }
 
 fn id(study: &StudyDocument) -> String {
@@ -80,11 +71,9 @@ fn studies(report: &Report<'_>, chapter: Chapter) -> Vec<Section> {
 
 /// The commands of what is not in the directory of this report; None if nothing is missing.
 fn absent(report: &Report<'_>, none_broken: bool) -> Option<Section> {
-    let kinds =
-        [Chapter::Bound, Chapter::Gronwall, Chapter::Audit, Chapter::Trade, Chapter::Extremes];
-    let missing =
-        kinds.into_iter().filter(|kind| report.studies.iter().all(|s| s.chapter != *kind));
-    let mut commands: Vec<&str> = missing.map(Chapter::command).collect();
+    let lacks = |kind: &Chapter| report.studies.iter().all(|study| study.chapter != *kind);
+    let kinds = Chapter::ALL.into_iter().filter(|kind| opening::of(*kind).is_some());
+    let mut commands: Vec<&str> = kinds.filter(lacks).map(Chapter::command).collect();
     commands.extend(none_broken.then_some("run broken-kernel broken-trace"));
     if commands.is_empty() {
         return None;

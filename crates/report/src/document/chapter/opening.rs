@@ -1,9 +1,21 @@
 //! Introductions of the chapters: what is measured, with the inequality of the paper.
 
 use super::step_size;
-use crate::document::{Block, Equation, Section};
+use crate::document::{Block, Chapter, Equation, Section};
 
-pub(super) fn bound() -> Section {
+pub(super) fn of(chapter: Chapter) -> Option<Section> {
+    match chapter {
+        Chapter::Bound => Some(bound()),
+        Chapter::Gronwall => Some(gronwall()),
+        Chapter::Audit => Some(audit()),
+        Chapter::Trade => Some(trade()),
+        // A diagnosis leaves no file.
+        Chapter::Diagnose => None,
+        Chapter::Extremes => Some(extremes()),
+    }
+}
+
+fn bound() -> Section {
     let mut section = Section::opening(
         "chapter-step-size",
         "Step size: the bound (3.4)",
@@ -19,7 +31,7 @@ pub(super) fn bound() -> Section {
     section
 }
 
-pub(super) fn gronwall() -> Section {
+fn gronwall() -> Section {
     let mut section = Section::opening(
         "chapter-gronwall",
         "Gronwall's inequality (3.24)",
@@ -45,11 +57,11 @@ pub(super) fn gronwall() -> Section {
     section
 }
 
-pub(super) fn audit() -> Section {
+fn audit() -> Section {
     let mut section = Section::opening(
         "chapter-audit",
         "The inequalities of Theorems 10 and 11",
-        "Both sides of eight inequalities of the proof of the error estimate, computed at every level of real runs. One holds if it does at all levels \
+        "Both sides of the inequalities of the proof of the error estimate, computed at every level of real runs. One holds if it does at all levels \
          of all runs, up to the accuracy of its two sides.",
     );
     section.blocks.push(Block::Formulas(vec![Equation::new(
@@ -60,7 +72,7 @@ pub(super) fn audit() -> Section {
     section
 }
 
-pub(super) fn trade() -> Section {
+fn trade() -> Section {
     Section::opening(
         "chapter-trade",
         "Speed against accuracy",
@@ -69,7 +81,7 @@ pub(super) fn trade() -> Section {
     )
 }
 
-pub(super) fn extremes() -> Section {
+fn extremes() -> Section {
     Section::opening(
         "chapter-extremes",
         "Extremes",

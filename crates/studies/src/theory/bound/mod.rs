@@ -12,16 +12,63 @@ pub use ladder::{
 pub use sampled::{Constant, Obtained};
 
 use self::sampled::TraceConstants;
-use ::run::sweep::Runs;
+use crate::study::{Asked, Sizes, Study, StudyError, no_mesh};
+use ::run::sweep::{Runs, admit_constants};
 use algebra::linalg::KRYLOV_VECTORS;
 use fem::contact::{Discretization, Evolution};
 use judge::claim::{Claim, Place, Statement};
 use report::{Axis, Chapter, Chart, Findings, Mark, Part, Row, Run, Scale, Series, digits};
-use scene::Scene;
-use scene::setup::{AbstractLoad, AbstractSetup, MeshData, Setup, Smallness, TruthLoad};
+use scene::setup::{AbstractLoad, AbstractSetup, MeshData, Setup, Smallness, Subject, TruthLoad};
+use scene::{Extension, Scene};
 use serde_json::json;
 use vhi::finite::FiniteEvolution;
 use vhi::{StepBounds, StepState};
+
+/// Default mesh of the measured factors.
+const MESH: u32 = 16;
+
+pub const STUDY: Study = Study {
+    name: "bound",
+    about: "Step-size bound (3.4) in four numbers: paper, sharpened, measured, loss of solvability",
+    help: "Every inequality is a claim: measured factors <= sharpened <= (3.15) at each step size of a ladder, thresholds in their order, samples of the law <= what it declares. A step has lost its solution where Newton's method finds none from the solution at the largest smaller k, that of the run and random states, or only one whose tangent is singular or beyond: bisected in k. Exit code 1: a claim does not hold.",
+    n: Sizes::one(
+        [2, 128],
+        "Cells per unit length of the mesh on which the factors are measured, h = 1/n [default: 16]",
+    ),
+    steps: Sizes::one(
+        [1, 100_000],
+        "Number N of time steps of the run whose worst level is studied [default: the scene's smallest]",
+    ),
+    files: "SCENE-bound.svg",
+    run: of_scene,
+};
+
+fn of_scene(scene: Scene, asked: &Asked) -> Result<Findings, StudyError> {
+    admit_constants(&scene, false, &asked.limit)?;
+    let subject = Subject::new(scene)?;
+    let scene = subject.scene();
+    let singular = "it puts sup |q| beside k, not k^(1-a)";
+    scene.without(&[Extension::SingularKernel], "sweep bound", singular)?;
+    let fewest = scene.sweep.as_ref().and_then(|sweep| sweep.steps.iter().min().copied());
+    let given = asked.steps.as_ref().and_then(|steps| steps.first().copied());
+    let steps = given.or(fewest).unwrap_or(8);
+    scene.check_steps(&[steps])?;
+    let bound = match &subject {
+        Subject::Contact(setup) => {
+            let n = asked.mesh().unwrap_or(MESH);
+            scene.check_cells(n)?;
+            study_runs(setup, n, steps).admit(&asked.limit)?;
+            BoundStudy::new(setup, n, steps)
+        }
+        // An abstract problem keeps a few numbers per level.
+        Subject::Abstract(setup) => {
+            no_mesh(scene, asked.mesh())?;
+            BoundStudy::of_abstract(setup, steps)
+        }
+    };
+    let named = |error| StudyError::Other(format!("{}: {error}", scene.name));
+    Ok(bound.map_err(named)?.findings())
+}
 
 /// Everything that `sweep bound` says of a scene.
 #[derive(Debug, Clone, serde::Serialize)]

@@ -14,4 +14,4 @@ pub use recurrence::{Bounds, Envelopes, Estimate};
 pub use recurrence::{GronwallError, InTime};
 pub use recurrence::{HistoryPart, KernelNorms, Solved, StepTooLarge, Weights};
 pub use scenes::{ContactInTime, GronwallConstants, ReferenceLevels, TemporalTruth, TruthAtLevel};
-pub use study::{StudyRuns, prepare, study, study_runs};
+pub use study::{STUDY, StudyRuns, prepare, study, study_runs};

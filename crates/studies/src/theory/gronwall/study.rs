@@ -12,14 +12,59 @@
 use super::recurrence::{Envelopes, Estimate, GronwallError, InTime};
 use super::scenes::FiniteInTime;
 use super::scenes::{ContactInTime, REFERENCE_STEPS};
+use crate::study::{Asked, Sizes, Study, StudyError};
 use algebra::linalg::{largest, signed_unit};
 use fem::contact::Discretization;
 use judge::claim::{Claim, Place, Statement};
 use report::{Axis, Chapter, Chart, Findings, Part, Run, Scale, Series, precise};
-use run::sweep::{Runs, lowest_common_multiple};
+use run::sweep::{Runs, admit_constants, lowest_common_multiple};
+use scene::Scene;
 use scene::setup::{Setup, Subject};
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
+
+/// Most steps taken from the scene's list: the weighted envelope takes O(N²).
+const MOST_STEPS: u32 = 1024;
+
+pub const STUDY: Study = Study {
+    name: "gronwall",
+    about: "Evaluate Gronwall's inequality on runs: truncation errors, envelopes, perturbations",
+    help: "Effectivity = bound / measured error. The chain e <= weighted envelope <= primed envelope <= closed form, primed <= printed envelope <= its closed form is claimed at every n of every run. So is that the difference of two solutions under perturbed loads stays below its recurrence. Exit code 1: a claim fails; it is named with the first n at which it does.",
+    n: Sizes::one(
+        [1, 4096],
+        "Cells per unit length, h = 1/n; abstract scenes have none [default: the first of the scene's list]",
+    ),
+    steps: Sizes::list(
+        [1, 100_000],
+        "Numbers N of time steps, k = T/N [default: the scene's list up to 1024]",
+    ),
+    files: "SCENE-gronwall.csv (every level of every run), SCENE-gronwall-envelope.svg",
+    run: of_scene,
+};
+
+fn of_scene(scene: Scene, asked: &Asked) -> Result<Findings, StudyError> {
+    let sweep = scene.sweep.as_ref();
+    let n = asked.mesh().or_else(|| sweep.and_then(|sweep| sweep.n.first().copied()));
+    let admitted =
+        |list: &Vec<u32>| list.iter().copied().filter(|&steps| steps <= MOST_STEPS).collect();
+    let steps = asked.steps.clone().or_else(|| sweep.map(|sweep| admitted(&sweep.steps)));
+    let Some(mut steps) = steps.filter(|steps| !steps.is_empty()) else {
+        return Err(StudyError::other("no numbers of steps: give --steps 16,32,64"));
+    };
+    steps.sort_unstable();
+    steps.dedup();
+    if let Some(n) = n.filter(|_| scene.as_contact().is_some()) {
+        scene.check_cells(n)?;
+    }
+    scene.check_steps(&steps)?;
+    admit_constants(&scene, true, &asked.limit)?;
+    let (subject, plan) = (Subject::new(scene)?, StudyRuns { n, steps });
+    // An abstract problem keeps a few numbers per level.
+    if let (Subject::Contact(setup), Some(n)) = (&subject, n) {
+        study_runs(setup, n, &plan).admit(&asked.limit)?;
+    }
+    study(&subject, &plan).map_err(StudyError::other)
+}
 
 /// What is asked of a scene.
 #[derive(Debug, Clone, PartialEq)]

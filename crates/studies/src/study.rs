@@ -1,0 +1,102 @@
+//! A study of one scene as a command: what it is called, what it takes, and how it runs.
+
+use std::fmt::Display;
+
+use report::Findings;
+use run::sweep::{MemoryLimit, Refused};
+use scene::setup::SetupError;
+use scene::{Scene, SceneError};
+
+/// `sweep NAME SCENE [--n] [--steps] [--out DIR]`. Help, options, text, JSON, files and exit code follow from this.
+pub struct Study {
+    pub name: &'static str,
+    /// Its line in the list of commands.
+    pub about: &'static str,
+    /// What is claimed, below the options in help.
+    pub help: &'static str,
+    pub n: Sizes,
+    pub steps: Sizes,
+    /// The files of `--out` beside SCENE-NAME.json and SCENE-NAME-claims.csv, for help.
+    pub files: &'static str,
+    pub run: fn(Scene, &Asked) -> Result<Findings, StudyError>,
+}
+
+/// What `--n` or `--steps` takes.
+pub struct Sizes {
+    pub help: &'static str,
+    pub least: u32,
+    pub most: u32,
+    /// A list, or one number.
+    pub many: bool,
+}
+
+impl Sizes {
+    pub const fn one([least, most]: [u32; 2], help: &'static str) -> Self {
+        Self { help, least, most, many: false }
+    }
+
+    pub const fn list([least, most]: [u32; 2], help: &'static str) -> Self {
+        Self { help, least, most, many: true }
+    }
+}
+
+/// What is asked of a study.
+pub struct Asked {
+    pub n: Option<Vec<u32>>,
+    pub steps: Option<Vec<u32>>,
+    pub limit: MemoryLimit,
+    /// Runs at a time.
+    pub jobs: usize,
+}
+
+impl Asked {
+    /// Meshes and numbers of steps in place of the scene's; of its meshes those up to `finest`.
+    ///
+    /// # Errors
+    /// Numbers that the scene cannot have, or none.
+    pub fn grid(&self, scene: &Scene, finest: u32) -> Result<(Vec<u32>, Vec<u32>), SceneError> {
+        let given = |list: &Option<Vec<u32>>| list.clone().unwrap_or_default();
+        scene.check_grid(&given(&self.n), &given(&self.steps))?;
+        let mut own = scene.sweep.clone().unwrap_or_default();
+        own.n.retain(|n| *n <= finest);
+        let ns = self.n.clone().unwrap_or(own.n);
+        let steps = self.steps.clone().unwrap_or(own.steps);
+        if ns.is_empty() || steps.is_empty() {
+            return Err(scene.no_case("study"));
+        }
+        Ok((ns, steps))
+    }
+
+    /// The one mesh, where a study has one.
+    pub fn mesh(&self) -> Option<u32> {
+        self.n.as_ref()?.first().copied()
+    }
+}
+
+/// Why a study has no findings.
+#[derive(Debug, thiserror::Error)]
+pub enum StudyError {
+    #[error(transparent)]
+    Scene(#[from] SceneError),
+    #[error(transparent)]
+    Setup(#[from] SetupError),
+    #[error(transparent)]
+    Memory(#[from] Refused),
+    #[error("{0}")]
+    Other(String),
+}
+
+impl StudyError {
+    pub fn other(error: impl Display) -> Self {
+        Self::Other(error.to_string())
+    }
+}
+
+/// Refuses an n for a problem without a mesh.
+///
+/// # Errors
+/// [`SceneError`].
+pub fn no_mesh(scene: &Scene, n: Option<u32>) -> Result<(), SceneError> {
+    let message = || format!("an abstract problem has no mesh, so no n = {}", n.unwrap_or(0));
+    scene.refuse_if(n.is_some(), "scene.kind", message(), "leave --n away")
+}
