@@ -1,8 +1,8 @@
 //! A deformed plane body: stress by shade, yielding cells, pressure on Γ3 as arrows.
 
 use super::canvas::{Anchor, Canvas, CanvasPoint, DASHES, LINE, View, corners as corners_of};
+use super::canvas::{Colour, INK, colour, mixed};
 use super::digits;
-use super::palette::{Colour, INK, colour, mixed};
 
 /// A triangle of the deformed mesh.
 #[derive(Debug, Clone, PartialEq)]

@@ -1,14 +1,77 @@
-//! Strokes, markers and words of an SVG, in units of 1/1800 of its width.
+//! Strokes, markers and words of an SVG, in units of 1/1800 of its width, in colours for colour-blind readers, after Okabe
+//! and Ito (2008), each with a marker for prints without colours.
+//!
+//! Pictures are drawn for white paper and printed so; viewers with a dark page map their inks. The style sheet selects by
+//! the colours themselves, so that a picture without media queries is the light one.
 
-use plotters::coord::Shift;
-use plotters::element::{Circle, Drawable, PathElement, PointCollection, Polygon};
-use plotters::prelude::{DrawingArea, IntoDrawingArea, IntoFont, Text};
-use plotters::style::text_anchor::{HPos, Pos, VPos};
-use plotters::style::{Color, FontStyle, FontTransform, TextStyle};
+use std::fmt;
 
-use super::backend::{Elements, moves};
-use super::palette::{Colour, INK};
-use super::sheet::{PAPER, WORDS, WORDS_ON_TINT, style};
+use super::symbols::{escaped, scripts};
+
+/// Red, green and blue.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) struct Colour(pub(super) u8, pub(super) u8, pub(super) u8);
+
+impl fmt::Display for Colour {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "#{:02X}{:02X}{:02X}", self.0, self.1, self.2)
+    }
+}
+
+pub(super) const COLOURS: [Colour; 7] = [
+    Colour(0, 114, 178),
+    Colour(213, 94, 0),
+    Colour(0, 158, 115),
+    Colour(204, 121, 167),
+    Colour(230, 159, 0),
+    Colour(86, 180, 233),
+    Colour(0, 0, 0),
+];
+/// Lines of the grid.
+pub(super) const GRID: Colour = Colour(222, 222, 222);
+/// Axes, triangles and floors.
+pub(super) const INK: Colour = Colour(90, 90, 90);
+/// Paper; hollow markers are filled with it.
+pub(super) const PAPER: Colour = Colour(255, 255, 255);
+const WORDS: Colour = Colour(30, 30, 30);
+/// Words on an area of light colour, which a dark page leaves as it is.
+const WORDS_ON_TINT: Colour = Colour(31, 31, 31);
+
+/// Colour of the i-th curve. With four markers, 28 curves differ.
+pub(super) fn colour(index: usize) -> Colour {
+    COLOURS[index % COLOURS.len()]
+}
+
+/// The colour at a part of the way between two, by their numbers.
+pub(super) fn mixed(from: [f64; 3], to: [f64; 3], part: f64) -> Colour {
+    let [r, g, b] = [0, 1, 2].map(|i| (from[i] + part * (to[i] - from[i])) as u8);
+    Colour(r, g, b)
+}
+
+/// The rules, for a page that shows several pictures.
+pub(super) const RULES: &str = "\
+@media (prefers-color-scheme:dark){\
+svg [fill=\"#FFFFFF\"]{fill:#14171a}\
+svg [fill=\"#1E1E1E\"]{fill:#e6e6e6}\
+svg [fill=\"#5A5A5A\"]{fill:#a8adb3}svg [stroke=\"#5A5A5A\"]{stroke:#a8adb3}\
+svg [stroke=\"#DEDEDE\"]{stroke:#33393f}\
+svg [fill=\"#000000\"]{fill:#f2f2f2}svg [stroke=\"#000000\"]{stroke:#f2f2f2}\
+svg [fill=\"#0072B2\"]{fill:#4aa3df}svg [stroke=\"#0072B2\"]{stroke:#4aa3df}\
+svg [fill=\"#D55E00\"]{fill:#f0803c}svg [stroke=\"#D55E00\"]{stroke:#f0803c}\
+svg [fill=\"#009E73\"]{fill:#2fc59a}svg [stroke=\"#009E73\"]{stroke:#2fc59a}\
+svg [fill=\"#CC79A7\"]{fill:#e39cc4}svg [stroke=\"#CC79A7\"]{stroke:#e39cc4}\
+svg [fill=\"#56B4E9\"]{fill:#a5dbff}svg [stroke=\"#56B4E9\"]{stroke:#a5dbff}\
+}\n";
+
+/// A picture without the rules.
+pub(super) fn without(svg: &str) -> String {
+    svg.replacen(&style(), "", 1)
+}
+
+/// The rules as an element of a picture.
+fn style() -> String {
+    format!("\n<style>{}</style>", RULES.trim_end())
+}
 
 pub(super) const SIZE: (u32, u32) = (1800, 1120);
 
@@ -24,6 +87,12 @@ pub(super) const DASHES: (f64, f64) = (14.0, 10.0);
 /// Half of the size of a marker.
 const MARKER: f64 = 11.0;
 
+/// Scripts are this much smaller, and this much lower or higher, relative to the text.
+const SMALLER: f64 = 0.72;
+const APART: f64 = 0.3;
+
+const PATH_END: &str = "\"/>\n";
+
 /// A point on the canvas, y downwards.
 pub(super) type CanvasPoint = (f64, f64);
 
@@ -38,8 +107,9 @@ pub(super) enum Anchor {
 }
 
 pub(super) struct Canvas {
-    area: DrawingArea<Elements, Shift>,
-    elements: Elements,
+    elements: String,
+    /// Beginning of the last element if it is a path, which a line of the same style continues.
+    path: String,
     size: (u32, u32),
     text: f64,
 }
@@ -50,8 +120,7 @@ impl Canvas {
     }
 
     pub(super) fn of_size(size: (u32, u32), text: f64) -> Self {
-        let elements = Elements::new(size);
-        Self { area: elements.clone().into_drawing_area(), elements, size, text }
+        Self { elements: String::new(), path: String::new(), size, text }
     }
 
     /// The picture.
@@ -62,7 +131,7 @@ impl Canvas {
     /// The picture without so much of its top.
     pub(super) fn without_head(self, head: u32) -> String {
         let Self { size: (width, height), elements, .. } = self;
-        let (left, style, elements) = (height - head, style(), elements.text());
+        let (left, style) = (height - head, style());
         format!(
             "<svg font-family=\"sans-serif\" width=\"{width}\" height=\"{left}\" viewBox=\"0 {head} {width} {left}\" \
              xmlns=\"http://www.w3.org/2000/svg\">{style}\n\
@@ -74,22 +143,29 @@ impl Canvas {
         f64::from(self.size.1)
     }
 
-    fn draw<'a, E>(&self, element: &'a E)
-    where
-        &'a E: PointCollection<'a, (i32, i32)>,
-        E: Drawable<Elements>,
-    {
-        self.area.draw(element).expect("elements of a text have no errors");
+    fn push(&mut self, element: &str) {
+        self.path.clear();
+        self.elements += element;
+        self.elements.push('\n');
     }
 
-    pub(super) fn line(&mut self, path: &[CanvasPoint], colour: Colour, width: u32) {
-        self.draw(&PathElement::new(pixels(path), colour.stroke_width(width)));
+    /// Consecutive lines of one style are one path.
+    pub(super) fn line(&mut self, path: &[CanvasPoint], ink: Colour, width: u32) {
+        let begins = format!("<path fill=\"none\" stroke=\"{ink}\" stroke-width=\"{width}\" d=\"");
+        if begins == self.path {
+            self.elements.truncate(self.elements.len() - PATH_END.len());
+        } else {
+            self.elements += &begins;
+            self.path = begins;
+        }
+        self.elements += &moves(path);
+        self.elements += PATH_END;
     }
 
     /// Areas under lines from lower left to upper right.
     pub(super) fn hatch(&mut self, areas: impl Iterator<Item = Vec<CanvasPoint>>, colour: Colour) {
-        let data: String = areas.map(|corners| moves(pixels(&corners)) + "Z").collect();
-        self.elements.push(&format!(
+        let data: String = areas.map(|corners| moves(&corners) + "Z").collect();
+        self.push(&format!(
             "<pattern id=\"hatch\" patternUnits=\"userSpaceOnUse\" width=\"13\" height=\"13\" patternTransform=\"rotate(45)\">\
              <path fill=\"none\" stroke=\"{colour}\" stroke-width=\"3\" d=\"M6 0L6 13\"/></pattern>\n\
              <path fill=\"url(#hatch)\" d=\"{data}\"/>"
@@ -118,8 +194,11 @@ impl Canvas {
         }
     }
 
-    pub(super) fn fill(&mut self, corners: &[CanvasPoint], colour: Colour, opacity: f64) {
-        self.draw(&Polygon::new(pixels(corners), colour.mix(opacity).filled()));
+    pub(super) fn fill(&mut self, corners: &[CanvasPoint], ink: Colour, opacity: f64) {
+        let faint = if opacity < 1.0 { format!(" opacity=\"{opacity}\"") } else { String::new() };
+        let corners = corners.iter().map(|corner| pixel(*corner));
+        let points: String = corners.map(|(x, y)| format!("{x},{y} ")).collect();
+        self.push(&format!("<polygon{faint} fill=\"{ink}\" points=\"{points}\"/>"));
     }
 
     /// A box from [left, top, right, bottom].
@@ -144,7 +223,10 @@ impl Canvas {
         let inside = if hollow { PAPER } else { colour };
         if corners.is_empty() {
             for (radius, ink) in [(MARKER, colour), (MARKER - 4.0, inside)] {
-                self.draw(&Circle::new(pixel(place), radius as i32, ink.filled()));
+                let (x, y) = pixel(place);
+                self.push(&format!(
+                    "<circle cx=\"{x}\" cy=\"{y}\" r=\"{radius}\" fill=\"{ink}\" stroke-width=\"1\"/>"
+                ));
             }
             return;
         }
@@ -154,11 +236,11 @@ impl Canvas {
     }
 
     pub(super) fn text(&mut self, words: &str, place: CanvasPoint, anchor: Anchor) {
-        self.styled(words, place, anchor, (FontStyle::Normal, WORDS));
+        self.styled(words, place, anchor, ("", WORDS));
     }
 
     pub(super) fn bold(&mut self, words: &str, place: CanvasPoint) {
-        self.styled(words, place, Anchor::Left, (FontStyle::Bold, WORDS));
+        self.styled(words, place, Anchor::Left, (" font-weight=\"bold\"", WORDS));
     }
 
     /// A box of a light colour around lines of words; `crossed` for prints without colours.
@@ -177,7 +259,7 @@ impl Canvas {
         let first = 0.5 * (top + bottom) - 0.5 * apart * (lines.len() as f64 - 1.0);
         for (i, words) in lines.iter().enumerate() {
             let place = (0.5 * (left + right), first + apart * i as f64);
-            self.styled(words, place, Anchor::Centre, (FontStyle::Normal, WORDS_ON_TINT));
+            self.styled(words, place, Anchor::Centre, ("", WORDS_ON_TINT));
         }
     }
 
@@ -209,21 +291,52 @@ impl Canvas {
         words: &str,
         place: CanvasPoint,
         anchor: Anchor,
-        (weight, ink): (FontStyle, Colour),
+        (weight, ink): (&str, Colour),
     ) {
-        if words.is_empty() {
-            return;
-        }
-        let font = ("sans-serif", self.text).into_font().style(weight);
-        let (font, horizontal) = match anchor {
-            Anchor::Left => (font, HPos::Left),
-            Anchor::Centre => (font, HPos::Center),
-            Anchor::Right => (font, HPos::Right),
-            Anchor::Upwards => (font.transform(FontTransform::Rotate270), HPos::Center),
+        let ((x, y), size) = (pixel(place), self.text);
+        let (anchor, turned) = match anchor {
+            Anchor::Left => ("", String::new()),
+            Anchor::Centre => (" text-anchor=\"middle\"", String::new()),
+            Anchor::Right => (" text-anchor=\"end\"", String::new()),
+            Anchor::Upwards => {
+                (" text-anchor=\"middle\"", format!(" transform=\"rotate(270, {x}, {y})\""))
+            }
         };
-        let style = TextStyle::from(font).color(&ink).pos(Pos::new(horizontal, VPos::Center));
-        self.draw(&Text::new(words, pixel(place), style));
+        if !words.is_empty() {
+            self.push(&format!(
+                "<text x=\"{x}\" y=\"{y}\" dy=\"0.5ex\"{anchor} font-size=\"{size}\" fill=\"{ink}\"{weight}{turned}>{}</text>",
+                set(words, size)
+            ));
+        }
     }
+}
+
+/// `M1 2L3 4`: from the first point through the others.
+fn moves(path: &[CanvasPoint]) -> String {
+    let letters = std::iter::once('M').chain(std::iter::repeat('L'));
+    let points = letters.zip(path.iter().map(|point| pixel(*point)));
+    points.map(|(letter, (x, y))| format!("{letter}{x} {y}")).collect()
+}
+
+/// Words with their scripts low and high.
+fn set(words: &str, size: f64) -> String {
+    let (shift, small) = ((APART * size).round(), (SMALLER * size).round());
+    let mut back = 0.0;
+    let piece = |(sign, text): (char, String)| {
+        let there = match sign {
+            '_' => shift,
+            '^' => -shift,
+            _ => 0.0,
+        };
+        let text = escaped(&text);
+        let dy = there + std::mem::replace(&mut back, -there);
+        match (there == 0.0, dy == 0.0) {
+            (true, true) => text,
+            (true, false) => format!("<tspan dy=\"{dy}\">{text}</tspan>"),
+            (false, _) => format!("<tspan dy=\"{dy}\" font-size=\"{small}\">{text}</tspan>"),
+        }
+    };
+    scripts(words, false).into_iter().map(piece).collect()
 }
 
 fn outline(shape: usize, (x, y): CanvasPoint) -> Vec<CanvasPoint> {
@@ -282,6 +395,20 @@ fn pixel((x, y): CanvasPoint) -> (i32, i32) {
     (x.round() as i32, y.round() as i32)
 }
 
-fn pixels(path: &[CanvasPoint]) -> Vec<(i32, i32)> {
-    path.iter().copied().map(pixel).collect()
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Every ink except the light orange has its counterpart, spelt as pictures spell it.
+    #[test]
+    fn every_ink_has_a_dark_counterpart() {
+        let orange = Colour(230, 159, 0);
+        let inks = COLOURS.into_iter().filter(|colour| *colour != orange);
+        for ink in inks.chain([PAPER, WORDS, GRID, INK]) {
+            assert!(RULES.contains(&ink.to_string()), "{ink}");
+        }
+        assert!(!RULES.contains(&WORDS_ON_TINT.to_string()));
+        let svg = Canvas::new().finish();
+        assert!(svg.contains("2000/svg\">\n<style>@media") && !without(&svg).contains("style"));
+    }
 }

@@ -1,11 +1,11 @@
 //! A picture of series over two axes.
 
 use super::canvas::{Anchor, Canvas, CanvasPoint, DASHES, LINE};
+use super::canvas::{Colour, INK, colour};
 use super::direct;
 use super::frame::{Frame, LARGE, Layout, SMALL, TITLE_ROOM};
 use super::legend::{Legend, wrapped};
 use super::marks::{draw_marks, mark_entries};
-use super::palette::{Colour, INK, colour};
 use super::ruler::Scale;
 use super::slope::{self, Slope};
 

@@ -1,8 +1,8 @@
 //! The axes of a picture, with room for a title above and a legend beside.
 
 use super::canvas::{Anchor, Canvas, CanvasPoint, SIZE, TEXT};
+use super::canvas::{GRID, INK};
 use super::chart::{Chart, Mark};
-use super::palette::{GRID, INK};
 use super::ruler::{Room, Ruler};
 
 /// Size of a picture, height of its words, room for a label of the axis across, and the axes: left, top, right, bottom.

@@ -1,9 +1,9 @@
 //! The words beside a picture.
 
+use super::canvas::Colour;
 use super::canvas::{Anchor, Canvas, LINE};
 use super::chart::Part;
 use super::frame::Frame;
-use super::palette::Colour;
 
 /// Characters in the width of the legend.
 pub(super) const LEGEND_CHARACTERS: usize = 28;

@@ -3,7 +3,6 @@
 //! Everything is rebuilt from records and verdicts; equal input gives equal bytes. A picture is a [`Chart`] (series
 //! over two axes) or a [`Map`].
 
-mod backend;
 mod body;
 mod canvas;
 mod chart;
@@ -19,10 +18,8 @@ mod junit;
 mod legend;
 mod map;
 mod marks;
-mod palette;
 mod pictures;
 mod ruler;
-mod sheet;
 mod sketch;
 mod slope;
 mod space_time;

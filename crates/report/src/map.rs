@@ -1,8 +1,8 @@
 //! A map: one row of cells per line, each cell with words and a colour for its outcome.
 
+use super::canvas::PAPER;
 use super::canvas::{Anchor, Canvas, SIZE};
-use super::palette::{Colour, mixed};
-use super::sheet::PAPER;
+use super::canvas::{Colour, mixed};
 
 /// How a cell ended.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]

@@ -1,10 +1,10 @@
 //! Lines across a picture at values of its axes, with letters that the legend explains.
 
+use super::canvas::INK;
 use super::canvas::{Anchor, Canvas};
 use super::chart::{Chart, Mark, Part};
 use super::frame::Frame;
 use super::legend::spread;
-use super::palette::INK;
 use super::ruler::Scale;
 
 /// Strokes and gaps of the first, second, … line, distinct without colours.

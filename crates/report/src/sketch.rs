@@ -1,7 +1,7 @@
 //! A small picture of a domain or a few curves, readable at 240 pixels.
 
 use super::canvas::{Anchor, Canvas, CanvasPoint, View};
-use super::palette::{Colour, INK, colour};
+use super::canvas::{Colour, INK, colour};
 
 /// Size in units, two per pixel.
 const SIZE: (u32, u32) = (480, 404);

@@ -1,9 +1,9 @@
 //! Triangles of a predicted order, placed in free space.
 
+use super::canvas::Colour;
 use super::canvas::{Anchor, Canvas, CanvasPoint, corners, span};
 use super::chart::{Chart, Datum, Part};
 use super::frame::Frame;
-use super::palette::Colour;
 
 /// A predicted order along points of a series.
 #[derive(Debug, Clone, PartialEq)]

@@ -1,10 +1,10 @@
 //! The contact state along Γ3 over time, exact and discrete.
 
+use super::canvas::PAPER;
 use super::canvas::{Anchor, Canvas, span};
+use super::canvas::{Colour, INK};
 use super::frame::Frame;
-use super::palette::{Colour, INK};
 use super::ruler::{Room, Ruler, Scale};
-use super::sheet::PAPER;
 
 /// State of Γ3 at a place and time; shades get darker, for prints without colours.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
