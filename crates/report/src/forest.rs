@@ -2,7 +2,7 @@
 
 use super::canvas::{Anchor, Canvas, CanvasPoint};
 use super::canvas::{COLOURS, Colour, GRID, INK};
-use super::group::Group;
+use super::document::Group;
 use judge::fit::TOLERANCE;
 use judge::verdict::{Decision, Verdict};
 

@@ -7,48 +7,31 @@ mod body;
 mod canvas;
 mod chart;
 mod convergence;
-mod curve;
-mod direct;
 mod document;
 mod forest;
-mod frame;
-mod github;
-mod group;
 mod junit;
-mod legend;
 mod map;
-mod marks;
 mod pictures;
 mod ruler;
-mod sketch;
-mod slope;
-mod space_time;
-mod split;
 mod symbols;
-mod thumbnail;
-mod ticks;
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-pub use body::{Arrow, Cell as BodyCell, Deformed};
-pub use chart::{Axis, Chart, Datum, Mark, Part, Series};
+pub use body::{Arrow, Cell as BodyCell, Deformed, Ink, Panel, Sketch, SpaceTime, Stroke, Zone};
+pub use chart::{Axis, Chart, Datum, Mark, Part, Series, Slope};
 pub use convergence::convergence_svg;
 #[cfg(feature = "pdf")]
 pub use document::pdf;
 pub use document::{
-    Chapter, Equation, Findings, Row, Run, StudyDocument, Terms, Tone, beside, digits, equations,
-    held, number, precise, sides, text_table, verdict_table,
+    Chapter, Equation, Findings, Group, Row, Run, StudyDocument, Terms, Tone, beside, digits,
+    equations, held, number, precise, sides, text_table, verdict_table,
 };
-pub use github::{AnnotationPlace, annotations, step_summary};
-pub use group::Group;
-pub use junit::write_junit;
-pub use map::{Cell, Map, Shade};
+
+pub use junit::{AnnotationPlace, annotations, step_summary, write_junit};
+pub use map::{Cell, Map, Shade, split_svg};
 pub use ruler::Scale;
-pub use sketch::{Ink, Sketch, Stroke};
-pub use slope::Slope;
-pub use space_time::{Panel, SpaceTime, Zone};
-pub use split::split_svg;
+
 pub use symbols::escaped;
 
 use document::{
@@ -209,7 +192,7 @@ fn drawn(
         ("k", "error against k, on the mesh n named.", along(Direction::Time)),
         ("hk", "error over h and k, and which of them it is of.", split_svg(scene, records)),
     ];
-    let errors = thumbnail::thumbnail_svg(scene, records, verdicts);
+    let errors = convergence::thumbnail_svg(scene, records, verdicts);
     let card = [
         ("scene", "the body with the parts of its boundary", scene.picture.clone()),
         ("errors", "errors judged, with the observed order", errors),
