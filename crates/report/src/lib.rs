@@ -25,13 +25,11 @@ pub use convergence::convergence_svg;
 pub use document::pdf;
 pub use document::{
     Chapter, Equation, Findings, Group, Row, Run, StudyDocument, Terms, Tone, beside, digits,
-    equations, held, number, precise, sides, text_table, verdict_table,
+    equations, held, json_table, number, precise, sides, text_table, verdict_table,
 };
-
 pub use junit::{AnnotationPlace, annotations, step_summary, write_junit};
 pub use map::{Cell, Map, Shade, split_svg};
 pub use ruler::Scale;
-
 pub use symbols::escaped;
 
 use document::{

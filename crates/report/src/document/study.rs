@@ -127,36 +127,18 @@ impl StudyDocument {
             row.map(|(_, cell)| cell).into()
         };
         let rows: Vec<Vec<Run>> = rows.into_iter().map(row).collect();
-        self.set(caption, &heads, rows);
+        self.push(Table::new(caption, &heads, rows));
     }
 
-    /// A table of rows of JSON. A column is its head, the place of its value in a row, and its digits if they are not five:
-    /// `head = a/b 3; …`.
+    /// A table of rows of JSON, see [`json_table`].
     pub fn rows(&mut self, caption: impl Into<String>, rows: &Value, columns: &str) {
-        let column = |column: &'_ str| -> (String, String, usize) {
-            let (head, place) = column.split_once(" = ").unwrap_or((column, ""));
-            let (place, digits) = place.trim().split_once(' ').unwrap_or((place.trim(), "5"));
-            (head.trim().into(), format!("/{place}"), digits.parse().unwrap_or(5))
-        };
-        let columns: Vec<_> = columns.split(';').map(column).collect();
-        let heads: Vec<&str> = columns.iter().map(|(head, ..)| &**head).collect();
-        let cell = |value: Option<&Value>, digits| match value {
-            Some(value @ (Value::String(_) | Value::Bool(_))) => Run::plain(text(value)),
-            Some(value) if value.is_u64() => Run::plain(text(value)),
-            value => precise(value.and_then(Value::as_f64), digits),
-        };
-        let row = |row: &Value| -> Vec<Run> {
-            columns.iter().map(|(_, place, digits)| cell(row.pointer(place), *digits)).collect()
-        };
-        let rows = rows.as_array().into_iter().flatten().map(row).collect();
-        self.set(caption, &heads, rows);
+        self.push(Table::of_json(caption, rows, columns));
     }
 
-    fn set(&mut self, caption: impl Into<String>, heads: &[&str], rows: Vec<Vec<Run>>) {
-        if !rows.is_empty() {
-            let evidence = rows.len() > MOST_ROWS;
-            let table = Table { evidence, ..Table::new(caption, heads, rows) };
-            self.blocks.push(Block::Table(table));
+    fn push(&mut self, table: Table) {
+        if !table.rows.is_empty() {
+            let evidence = table.rows.len() > MOST_ROWS;
+            self.blocks.push(Block::Table(Table { evidence, ..table }));
         }
     }
 
@@ -238,6 +220,37 @@ impl StudyDocument {
             found.push(study);
         }
         Ok(found)
+    }
+}
+
+/// Rows of JSON as a table of characters. A column is its head, the place of its value in a row, and its digits if they are
+/// not five, or MB for a number of bytes: `head = a/b 3; …`.
+pub fn json_table(rows: &Value, columns: &str, width: u16) -> String {
+    terminal::table(&Table::of_json("", rows, columns), width)
+}
+
+impl Table {
+    fn of_json(caption: impl Into<String>, rows: &Value, columns: &str) -> Self {
+        let column = |column: &'_ str| -> (String, String, String) {
+            let (head, place) = column.split_once(" = ").unwrap_or((column, ""));
+            let (place, form) = place.trim().split_once(' ').unwrap_or((place.trim(), ""));
+            (head.trim().into(), format!("/{place}"), form.into())
+        };
+        let columns: Vec<_> = columns.split(';').map(column).collect();
+        let heads: Vec<&str> = columns.iter().map(|(head, ..)| &**head).collect();
+        let cell = |value: Option<&Value>, form: &str| match value {
+            Some(value @ (Value::String(_) | Value::Bool(_))) => Run::plain(text(value)),
+            Some(value) if value.is_u64() && form != "MB" => Run::plain(text(value)),
+            value => match (value.and_then(Value::as_f64), form) {
+                (Some(bytes), "MB") => Run::plain(format!("{:.0} MB", bytes / 1e6)),
+                (value, digits) => precise(value, digits.parse().unwrap_or(5)),
+            },
+        };
+        let row = |row: &Value| -> Vec<Run> {
+            columns.iter().map(|(_, place, form)| cell(row.pointer(place), form)).collect()
+        };
+        let rows = rows.as_array().into_iter().flatten().map(row).collect();
+        Self::new(caption, &heads, rows)
     }
 }
 

@@ -175,7 +175,7 @@ fn block(block: &Block, width: u16) -> Option<String> {
     })
 }
 
-fn table(table: &Table, width: u16) -> String {
+pub(super) fn table(table: &Table, width: u16) -> String {
     let head = |(head, numeric): (&String, &bool)| match numeric {
         true => format!(">{head}"),
         false => head.clone(),
