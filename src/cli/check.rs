@@ -87,7 +87,7 @@ impl Check {
         admit_plan(plan, 1, limit, beside)?;
         let mut measured = Vec::new();
         for case in &plan.cases {
-            let rows = plan.floors(case).map_err(CliError::other)?;
+            let rows = plan.floors(case)?;
             measured.extend(rows.into_iter().map(|row| (case.clone(), row)));
         }
         plan.cases = all;

@@ -3,9 +3,9 @@
 use std::path::{Path, PathBuf};
 
 use super::machine::{Common, processors, share_threads};
-use super::{CliError, Scenes, create_dir, no_case, print_json, print_text, width};
+use super::{CliError, Scenes, no_case, print_json, print_text, width};
 use clap::Args;
-use files::counted;
+use files::{counted, make_directory};
 use report::{Findings, StudyDocument};
 use run::sweep::{Overrides, admit_constants};
 use scene::setup::{Setup, Subject};
@@ -15,12 +15,12 @@ use studies::extremes::{Ladder, UnderTest, admit, catalogue, climb, found};
 use studies::theory::audit::{audit, audit_runs};
 use studies::theory::bound::{self, BoundStudy};
 use studies::theory::gronwall::{self, StudyRuns};
-use studies::trade::{Trade, TradeError, Wanted, measurable, trade};
+use studies::trade::{Trade, Wanted, measurable, trade};
 
 /// Prints findings, and writes their files if a directory is given. The exit code: 1 unless every claim holds.
 pub(super) fn show(findings: &Findings, out: Option<&Path>, as_json: bool) -> Result<u8, CliError> {
     if let Some(dir) = out {
-        create_dir(dir)?;
+        make_directory(dir)?;
         findings.write(dir)?;
     }
     if as_json {
@@ -125,7 +125,7 @@ impl Gronwall {
         if let (Subject::Contact(setup), Some(n)) = (&subject, plan.n) {
             gronwall::study_runs(setup, n, &plan).admit(&self.common.allowance.limit())?;
         }
-        let found = gronwall::study(&subject, &plan).map_err(CliError::other)?;
+        let found = gronwall::study(&subject, &plan)?;
         show(&found, self.out.as_deref(), self.common.json)
     }
 
@@ -180,7 +180,7 @@ impl Audit {
         let setup = Setup::new(scene)?;
         let (ns, steps) = self.grids(&setup)?;
         audit_runs(&setup, &ns, &steps, processors()).admit(&self.common.allowance.limit())?;
-        let findings = audit(&setup, &ns, &steps).map_err(CliError::other)?;
+        let findings = audit(&setup, &ns, &steps)?;
         show(&findings, self.out.as_deref(), self.common.json)
     }
 
@@ -234,16 +234,6 @@ pub(crate) struct TradeCommand {
     common: Common,
 }
 
-impl From<TradeError> for CliError {
-    fn from(error: TradeError) -> Self {
-        match error {
-            TradeError::Setup(error) => error.into(),
-            TradeError::Memory(error) => error.into(),
-            other => Self::other(other),
-        }
-    }
-}
-
 impl TradeCommand {
     pub(super) fn execute(&self, scenes: &Scenes) -> Result<u8, CliError> {
         if self.budget.is_nan() || self.budget <= 0.0 {
@@ -253,7 +243,7 @@ impl TradeCommand {
         let wanted = Wanted::read(&setup, &self.norm, self.target.as_deref());
         let asked = Trade {
             setup: &setup,
-            wanted: wanted.map_err(CliError::other)?,
+            wanted: wanted?,
             n: self.n.clone(),
             steps: self.steps.clone(),
             budget: self.budget,

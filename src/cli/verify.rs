@@ -227,7 +227,7 @@ fn export(plan: &ScenePlan, folder: &Path) -> Result<u8, CliError> {
         let data = MeshData::new(setup, of_mesh[0].0, None)?;
         for &(_, steps) in of_mesh {
             let dir = case_dir(folder, &setup.scene.name, data.space.mesh.n, steps);
-            write_case(&dir, setup, &data, steps).map_err(CliError::other)?;
+            write_case(&dir, setup, &data, steps)?;
             print_text(&dir.display().to_string());
         }
     }
