@@ -9,7 +9,7 @@ use crate::ruler::{Room, Ruler, Scale};
 pub type Datum = (f64, f64);
 
 /// An axis with its label (including units) and scale.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Default)]
 pub struct Axis {
     pub label: String,
     pub scale: Scale,
@@ -31,7 +31,7 @@ pub enum Part {
 }
 
 /// One name: one colour, one marker shape, one entry of the legend.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Default)]
 pub struct Series {
     /// Its words in the legend; without any it has no entry.
     pub name: String,
@@ -55,7 +55,7 @@ pub struct Mark {
 }
 
 /// A picture.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Default)]
 pub struct Chart {
     /// First line, in bold; empty if a heading above the picture says it.
     pub title: String,
@@ -85,7 +85,7 @@ impl Axis {
 impl Series {
     /// A series of these parts.
     pub fn new(name: impl Into<String>, parts: Vec<Part>) -> Self {
-        Self { name: name.into(), detail: String::new(), parts, grey: false, slope: None }
+        Self { name: name.into(), parts, ..Self::default() }
     }
 
     /// Its first line and its markers, filled.
@@ -147,19 +147,7 @@ impl Part {
 impl Chart {
     /// A chart without series.
     pub fn new(title: &str, question: &str, x: Axis, y: Axis) -> Self {
-        Self {
-            title: title.to_owned(),
-            question: question.to_owned(),
-            x,
-            y,
-            series: Vec::new(),
-            verticals: Vec::new(),
-            horizontals: Vec::new(),
-            labels: Vec::new(),
-            keys: Vec::new(),
-            note: String::new(),
-            small: false,
-        }
+        Self { title: title.into(), question: question.into(), x, y, ..Self::default() }
     }
 
     /// The picture as SVG; none if no point has a place.

@@ -47,7 +47,7 @@ fn junit_xml(
     let mut report = Report::new("gronwall");
     for (scene, verdicts) in scenes {
         let mut suite = TestSuite::new(scene);
-        suite.add_test_cases(verdicts.into_iter().map(test_case));
+        suite.add_test_cases(verdicts.into_iter().map(verdict_case));
         suite.add_properties(properties(origin));
         report.add_test_suite(suite);
     }
@@ -67,41 +67,34 @@ fn properties(origin: &[(String, String)]) -> impl Iterator<Item = Property> + '
 
 /// One scene against its baseline; all deviations are in the text.
 fn baseline_case(scene: &str, comparison: &Comparison) -> TestCase {
-    let of_scene: Vec<_> = comparison.deviations.iter().filter(|d| d.scene == scene).collect();
-    let status = match of_scene.first() {
-        None => TestCaseStatus::success(),
-        Some(first) => {
-            let lines: Vec<&str> =
-                of_scene.iter().map(|deviation| deviation.reason.as_str()).collect();
-            let mut status = TestCaseStatus::non_success(NonSuccessKind::Failure);
-            status.set_type(first.verdict.name()).set_message(harmless(lines[0]));
-            status.set_description(harmless(&lines.join("\n")));
-            status
-        }
-    };
-    let mut case = TestCase::new("recorded errors and work", status);
-    case.set_classname(scene);
-    case
+    let of_scene = || comparison.deviations.iter().filter(|d| d.scene == scene);
+    let reasons: Vec<&str> = of_scene().map(|deviation| deviation.reason.as_str()).collect();
+    let failure = of_scene().next().map(|first| (first.verdict, reasons[0], reasons.join("\n")));
+    test_case(scene, "recorded errors and work", failure)
 }
 
-fn test_case(verdict: &Verdict) -> TestCase {
+fn verdict_case(verdict: &Verdict) -> TestCase {
     let name = format!("{} in {}", verdict.norm, verdict.variable.name());
     let [_, _, _, predicted, observed, decision, why] = cell_texts(verdict);
-    let status = if verdict.as_expected() {
-        TestCaseStatus::success()
-    } else {
-        let mut status = TestCaseStatus::non_success(NonSuccessKind::Failure);
-        let kind = match verdict.decision {
-            Decision::Unresolved => "unresolved",
-            Decision::Fail | Decision::Pass => "fail",
-        };
-        let said = format!("predicted {predicted} by {why}, observed {observed}: {decision}");
-        let reason = harmless(&verdict.reason);
-        status.set_type(kind).set_message(reason).set_description(harmless(&said));
-        status
+    let kind = match verdict.decision {
+        Decision::Unresolved => Decision::Unresolved,
+        Decision::Fail | Decision::Pass => Decision::Fail,
     };
+    let said = format!("predicted {predicted} by {why}, observed {observed}: {decision}");
+    let failure = (kind, verdict.reason.as_str(), said);
+    test_case(&verdict.scene, &name, (!verdict.as_expected()).then_some(failure))
+}
+
+/// A test that fails with a kind, a message and a text.
+fn test_case(scene: &str, name: &str, failure: Option<(Decision, &str, String)>) -> TestCase {
+    let status = failure.map_or_else(TestCaseStatus::success, |(kind, message, text)| {
+        let mut status = TestCaseStatus::non_success(NonSuccessKind::Failure);
+        status.set_type(kind.name()).set_message(harmless(message));
+        status.set_description(harmless(&text));
+        status
+    });
     let mut case = TestCase::new(name, status);
-    case.set_classname(verdict.scene.as_str());
+    case.set_classname(scene);
     case
 }
 

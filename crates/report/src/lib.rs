@@ -33,7 +33,7 @@ pub use ruler::Scale;
 pub use symbols::escaped;
 
 use document::{
-    DATA, Drawn, Figure, Report, TEMPLATE, data, document, group, markdown, page, tables,
+    DATA, Drawn, Figure, Report, TEMPLATE, by_verify, data, document, markdown, page, tables,
 };
 use files::{FileError, ListError, make_directory, write_listed};
 use judge::fit::Direction;
@@ -126,15 +126,17 @@ pub fn write_all(
     baseline: Option<&Comparison>,
 ) -> Result<(), ReportError> {
     make_directory(dir)?;
-    let drawn: Vec<Drawn> = stems(scenes)?
-        .into_iter()
-        .zip(scenes)
-        .map(|(stem, scene)| drawn(scene, stem, records, verdicts))
+    let external = by_verify(provenance);
+    let with_stems = scenes.iter().zip(stems(scenes)?);
+    let drawn: Vec<Drawn<'_>> = with_stems
+        .map(|(scene, stem)| Drawn {
+            group: if external { Group::External } else { scene.group },
+            ..drawn(scene, stem, records, verdicts)
+        })
         .collect();
-    let forest = forest(scenes, verdicts, provenance);
+    let forest = forest(&drawn, verdicts);
     let document = document(Report {
-        scenes,
-        drawn: &drawn,
+        scenes: &drawn,
         forest: forest.as_ref(),
         studies: StudyDocument::read_all(dir)?,
         of_cases: pictures::of_cases(dir)?,
@@ -159,12 +161,11 @@ pub fn write_all(
 }
 
 /// The forest plot of all verdicts in two columns, and in three pieces.
-fn forest(
-    scenes: &[SceneSummary],
-    verdicts: &[Verdict],
-    provenance: &serde_json::Value,
-) -> Option<Figure> {
-    let lines = forest::lines(verdicts, |scene| group(scenes, provenance, scene));
+fn forest(scenes: &[Drawn<'_>], verdicts: &[Verdict]) -> Option<Figure> {
+    let lines = forest::lines(verdicts, |name| {
+        let drawn = scenes.iter().find(|drawn| drawn.scene.name == name);
+        drawn.map_or(Group::default(), |drawn| drawn.group)
+    });
     let svg = forest::svg(&forest::columns(&lines, 2))?;
     let caption = "Observed minus predicted order, with its 95 % interval, of every norm judged in h or k. Grey: the tolerance of a prediction; \
                    right: the order predicted; filled: pass; orange: not as expected.";
@@ -174,12 +175,12 @@ fn forest(
 }
 
 /// The pictures of a scene, as far as there is something to draw.
-fn drawn(
-    scene: &SceneSummary,
+fn drawn<'a>(
+    scene: &'a SceneSummary,
     stem: String,
     records: &[CaseRecord],
     verdicts: &[Verdict],
-) -> Drawn {
+) -> Drawn<'a> {
     let figure = |(suffix, caption, svg): (&str, &str, Option<String>)| {
         let caption = format!("{}: {caption}", scene.name);
         Some(Figure::new(format!("{stem}-{suffix}.svg"), caption, svg?))
@@ -197,7 +198,7 @@ fn drawn(
     ];
     let figures = figures.into_iter().filter_map(figure).collect();
     let card = card.into_iter().filter_map(figure).collect();
-    Drawn { stem, figures, card }
+    Drawn { scene, group: scene.group, stem, figures, card }
 }
 
 /// File names of the scenes: letters, digits, dot, dash and underscore.

@@ -1,9 +1,10 @@
 //! One axis: positions of values, and ticks.
 
 /// How an axis is divided.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Scale {
     /// Equal steps of 1, 2 or 5 times a power of ten.
+    #[default]
     Linear,
     /// Logarithmic, ticks at powers of ten, and at 2 and 5 if there is room.
     Log,

@@ -11,9 +11,11 @@ use judge::record::{CaseRecord, Status, V_MAX, is_by_state};
 use judge::verdict::{Decision, JudgedPoint, Verdict, cell_texts, exit_code};
 use serde_json::Value;
 
-/// The pictures of a scene.
-#[derive(Default)]
-pub(crate) struct Drawn {
+/// A scene with its pictures.
+pub(crate) struct Drawn<'a> {
+    pub(crate) scene: &'a SceneSummary,
+    /// By its terms, or [`Group::External`].
+    pub(crate) group: Group,
     /// Its file names without endings.
     pub(crate) stem: String,
     pub(crate) figures: Vec<Figure>,
@@ -22,9 +24,7 @@ pub(crate) struct Drawn {
 }
 
 pub(crate) struct Report<'a> {
-    pub(crate) scenes: &'a [SceneSummary],
-    /// One per scene.
-    pub(crate) drawn: &'a [Drawn],
+    pub(crate) scenes: &'a [Drawn<'a>],
     /// The forest plot, whole and in pieces.
     pub(crate) forest: Option<&'a Figure>,
     /// Studies found in the directory.
@@ -45,13 +45,12 @@ pub(crate) fn document(report: Report<'_>) -> Document {
         sections.push(introduction());
     }
     for group in Group::ALL {
-        let in_group = |at: &usize| report.group(&report.scenes[*at].name) == group;
-        let members: Vec<usize> = (0..report.scenes.len()).filter(in_group).collect();
-        if !members.is_empty() {
+        let mut members = report.scenes.iter().filter(|drawn| drawn.group == group).peekable();
+        if members.peek().is_some() {
             let id = format!("group-{group:?}").to_lowercase();
             sections.push(Section::new(2, &id, group.title()));
         }
-        sections.extend(members.into_iter().map(|at| of_scene(&report, at)));
+        sections.extend(members.map(|drawn| of_scene(&report, drawn)));
     }
     sections.extend(chapters(&report));
     if !report.of_cases.is_empty() {
@@ -89,43 +88,17 @@ pub(super) fn tone(verdict: &Verdict) -> Tone {
 }
 
 impl Report<'_> {
-    /// The group of a scene: by its terms, or `External`.
-    pub(crate) fn group(&self, scene: &str) -> Group {
-        group(self.scenes, self.provenance, scene)
-    }
-
-    pub(super) fn stem(&self, scene: &SceneSummary) -> &str {
-        let at = self.scenes.iter().position(|other| other.name == scene.name);
-        at.map_or("", |at| &self.drawn[at].stem)
-    }
-
-    /// Whether another program's solver is judged, not the estimates.
-    pub(super) fn of_a_solver(&self) -> bool {
-        by_verify(self.provenance)
-    }
-
     /// A link to the section of a scene.
     pub(super) fn link(&self, name: &str) -> Option<String> {
-        let scene = self.scenes.iter().find(|scene| scene.name == name)?;
-        Some(format!("#{}", self.stem(scene)))
+        let drawn = self.scenes.iter().find(|drawn| drawn.scene.name == name)?;
+        Some(format!("#{}", drawn.stem))
     }
 }
 
-/// Whether the records are those of another program's solver.
-fn by_verify(provenance: &Value) -> bool {
+/// Whether the records are those of another program's solver, which is judged in place of the estimates.
+pub(crate) fn by_verify(provenance: &Value) -> bool {
     let options = provenance.get("run").and_then(|run| run.get("options")).and_then(Value::as_str);
     options.is_some_and(|options| options.split(' ').next() == Some("verify"))
-}
-
-/// The group of a scene by its name.
-pub(crate) fn group(scenes: &[SceneSummary], provenance: &Value, scene: &str) -> Group {
-    if by_verify(provenance) {
-        return Group::External;
-    }
-    scenes
-        .iter()
-        .find(|summary| summary.name == scene)
-        .map_or(Group::default(), |summary| summary.group)
 }
 
 /// A verdict as a row: scene, norm, variable, prediction, observation, decision and reason; the first and the decision
@@ -187,7 +160,7 @@ fn reproduction(report: &Report<'_>) -> Section {
             " the text of every scene. From the directory of this report its pages are made again without solving, and a scene is solved again, by",
         ),
     ]);
-    let scene = report.scenes.first().map_or("SCENE".into(), |scene| quoted(&scene.name));
+    let scene = report.scenes.first().map_or("SCENE".into(), |drawn| quoted(&drawn.scene.name));
     section.blocks.push(Block::Code(format!(
         "sweep report DIR\nsweep run {scene} --out reports/again\nsweep check {scene}"
     )));
@@ -224,7 +197,7 @@ fn answers(section: &mut Section, report: &Report<'_>) {
         )
     };
     // Another program's solver is what `sweep verify` judges; the estimates are known to hold on its scene.
-    let question = match report.of_a_solver() {
+    let question = match by_verify(report.provenance) {
         true => "Does the solver have the predicted orders? ",
         false => "Did the estimates hold? ",
     };
@@ -286,7 +259,8 @@ fn broken(
     report: &Report<'_>,
     held: impl Fn(&[&Verdict]) -> (String, Tone),
 ) {
-    let scenes: Vec<_> = report.scenes.iter().filter(|scene| !scene.violates.is_empty()).collect();
+    let scenes = report.scenes.iter().map(|drawn| drawn.scene);
+    let scenes: Vec<_> = scenes.filter(|scene| !scene.violates.is_empty()).collect();
     if scenes.is_empty() {
         return;
     }
@@ -309,8 +283,8 @@ fn broken(
 
 // The section of a scene: a summary, and the evidence of its verdicts.
 
-pub(super) fn of_scene(report: &Report<'_>, at: usize) -> Section {
-    let (scene, drawn) = (&report.scenes[at], &report.drawn[at]);
+fn of_scene(report: &Report<'_>, drawn: &Drawn<'_>) -> Section {
+    let scene = drawn.scene;
     let mut section = Section::new(3, &drawn.stem, &scene.name);
     let verdicts: Vec<&Verdict> =
         report.verdicts.iter().filter(|v| v.scene == scene.name).collect();

@@ -15,7 +15,7 @@ mod terminal;
 use crate::symbols::symbols;
 use serde::{Deserialize, Serialize};
 
-pub(super) use content::{Drawn, Report, document, group};
+pub(super) use content::{Drawn, Report, by_verify, document};
 pub use equation::{Equation, Group, Terms, equations};
 pub use files::digits;
 pub(super) use html::page;

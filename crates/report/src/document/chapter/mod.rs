@@ -3,11 +3,11 @@
 //! They are written from the data of scenes, the verdicts, and the studies that other commands wrote into the
 //! directory; for a missing study only its command is named.
 
-use crate::document::content::{Report, tone};
+use crate::StepLimits;
+use crate::document::content::{Drawn, Report, tone};
 use crate::document::{
     Block, Chapter, Equation, Run, Section, StudyDocument, Table, Tone, number, precise,
 };
-use crate::{SceneSummary, StepLimits};
 use judge::verdict::cell_texts;
 
 #[cfg(test)]
@@ -211,7 +211,7 @@ const NEEDED: [&str; 2] = ["2.9", "5.1"];
 
 fn step_sizes(report: &Report<'_>) -> Section {
     let mut section = Section::new(2, "chapter-step-sizes", "Bounds of all scenes");
-    let rows = report.scenes.iter().map(|scene| row(scene, report)).collect();
+    let rows = report.scenes.iter().map(|drawn| row(drawn, report)).collect();
     let bounds =
         [">m0", ">(3.4), paper's norm", ">(3.4)", ">sharpened", ">Λ measured", ">solvable"];
     let heads = [&["scene"][..], &bounds, &[">largest k", "which is"]].concat();
@@ -223,7 +223,7 @@ fn step_sizes(report: &Report<'_>) -> Section {
     section
 }
 
-fn row(scene: &SceneSummary, report: &Report<'_>) -> Vec<Run> {
+fn row(Drawn { scene, stem, .. }: &Drawn<'_>, report: &Report<'_>) -> Vec<Run> {
     let of_scene = report.records.iter().filter(|record| record.scene == scene.name);
     let largest = of_scene.map(|record| record.k).reduce(f64::max);
     let study = |study: &&StudyDocument| {
@@ -245,7 +245,7 @@ fn row(scene: &SceneSummary, report: &Report<'_>) -> Vec<Run> {
         (Some(limits), None) => standing(limits, largest),
     };
     vec![
-        Run::plain(&*scene.name).to(format!("#{}", report.stem(scene))),
+        Run::plain(&*scene.name).to(format!("#{stem}")),
         number(scene.step.map(|limits| limits.m0)),
         limit(|limits| limits.paper),
         limit(|limits| limits.theorem),
@@ -272,7 +272,8 @@ fn standing(limits: &StepLimits, largest: Option<f64>) -> Run {
 
 /// None without such a scene.
 fn broken(report: &Report<'_>) -> Option<Section> {
-    let broken: Vec<_> = report.scenes.iter().filter(|scene| !scene.violates.is_empty()).collect();
+    let breaks = |drawn: &&Drawn<'_>| !drawn.scene.violates.is_empty();
+    let broken: Vec<_> = report.scenes.iter().filter(breaks).collect();
     if broken.is_empty() {
         return None;
     }
@@ -283,8 +284,8 @@ fn broken(report: &Report<'_>) -> Option<Section> {
          and is judged like any other prediction.",
     );
     let mut rows = Vec::new();
-    for scene in &broken {
-        let target = format!("#{}", report.stem(scene));
+    for Drawn { scene, stem, .. } in broken {
+        let target = format!("#{stem}");
         let first = [
             Run::plain(
                 scene.violates.iter().map(|name| numbered(name)).collect::<Vec<_>>().join(", "),
