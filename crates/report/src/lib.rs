@@ -11,7 +11,6 @@ mod document;
 mod forest;
 mod junit;
 mod map;
-mod pictures;
 mod ruler;
 mod symbols;
 
@@ -25,7 +24,7 @@ pub use convergence::convergence_svg;
 pub use document::pdf;
 pub use document::{
     Chapter, Equation, Findings, Group, Row, Run, StudyDocument, Terms, Tone, beside, digits,
-    equations, held, json_table, number, precise, sides, text_table, verdict_table,
+    equations, json_table, number, precise, text_table, verdict_table,
 };
 pub use junit::{AnnotationPlace, annotations, step_summary, write_junit};
 pub use map::{Cell, Map, Shade, split_svg};
@@ -33,7 +32,8 @@ pub use ruler::Scale;
 pub use symbols::escaped;
 
 use document::{
-    DATA, Drawn, Figure, Report, TEMPLATE, by_verify, data, document, markdown, page, tables,
+    DATA, Drawn, Figure, Report, TEMPLATE, by_verify, data, document, markdown, of_cases, page,
+    tables,
 };
 use files::{FileError, ListError, make_directory, write_listed};
 use judge::fit::Direction;
@@ -139,7 +139,7 @@ pub fn write_all(
         scenes: &drawn,
         forest: forest.as_ref(),
         studies: StudyDocument::read_all(dir)?,
-        of_cases: pictures::of_cases(dir)?,
+        of_cases: of_cases(dir)?,
         records,
         verdicts,
         provenance,

@@ -22,7 +22,8 @@ pub(super) use html::page;
 pub(super) use markup::{markdown, tables, verdict_rows};
 #[cfg(feature = "pdf")]
 pub use pdf::pdf;
-pub use study::{Chapter, Findings, Row, StudyDocument, held, json_table, number, precise, sides};
+pub(super) use study::of_cases;
+pub use study::{Chapter, Findings, Row, StudyDocument, json_table, number, precise};
 pub(super) use terminal::outcome;
 pub use terminal::{beside, text_table, verdict_table};
 

@@ -1,16 +1,15 @@
 //! The document of a study: text of its command, a file beside its numbers, and a section of a report.
 
+use std::fs;
 use std::path::Path;
 
 use crate::ReportError;
 use crate::document::{Block, Figure, Run, Table, Tone, terminal};
-use crate::pictures::names;
-use files::{counted, read_text, replace_file};
+use files::{FileError, counted, digits, read_text, replace_file};
 use judge::claim::{Claim, Relation, Standing};
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value, json};
 
-pub use files::digits;
 /// The chapter of a study.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
@@ -270,6 +269,44 @@ fn without_place(message: &str) -> String {
     message.rsplit_once(" at line ").map_or(message, |(what, _)| what).to_owned()
 }
 
+// Pictures of single cases that `sweep solve --pictures` left in the directory of a report.
+
+/// Endings of file names, and what the files show.
+const ENDINGS: [(&str, &str); 2] = [
+    ("-contact.svg", "contact state of Γ3 over time, exact and discrete"),
+    ("-body.svg", "deformed body at the last time level"),
+];
+
+/// The names of the files in a directory, sorted.
+fn names(dir: &Path) -> Result<Vec<String>, ReportError> {
+    let mut names: Vec<String> = Vec::new();
+    for entry in fs::read_dir(dir).map_err(FileError::at(dir))? {
+        let name = entry.map_err(FileError::at(dir))?.file_name();
+        names.extend(name.into_string().ok());
+    }
+    names.sort();
+    Ok(names)
+}
+
+/// The pictures in a directory, by kind, then by file name.
+pub(crate) fn of_cases(dir: &Path) -> Result<Vec<Figure>, ReportError> {
+    let names = names(dir)?;
+    let mut found = Vec::new();
+    for (ending, shows) in ENDINGS {
+        for name in &names {
+            let Some(case) = name.strip_suffix(ending) else { continue };
+            let svg = read_text(&dir.join(name))?;
+            // Foreign files with such a name are ignored.
+            if svg.trim_start().starts_with("<svg") {
+                let case = if case.is_empty() { String::new() } else { format!("{case}: ") };
+                let caption = format!("{case}{shows} (sweep solve --pictures).");
+                found.push(Figure::new(name, caption, svg));
+            }
+        }
+    }
+    Ok(found)
+}
+
 // What a study found, in the same form for all: claims, its own numbers, and what it says in words and pictures.
 
 /// A study that has run.
@@ -460,18 +497,4 @@ pub(super) fn text(value: &Value) -> String {
         Value::Bool(false) => "no".into(),
         number => number.to_string(),
     }
-}
-
-/// A cell: holds, or not.
-pub fn held(holds: bool) -> Run {
-    if holds { Run::of("holds", Tone::Pass) } else { Run::of("does not hold", Tone::Miss) }
-}
-
-/// Two sides of a relation that fails.
-pub fn sides(left: f64, right: f64) -> String {
-    let side = |value: f64| match value.is_nan() {
-        true => "no number".to_owned(),
-        false => format!("{value:.9e}"),
-    };
-    format!("{} against {}", side(left), side(right))
 }
