@@ -235,7 +235,7 @@ impl Sketch {
         let view = self.view();
         let path = |points: &[_]| points.iter().map(|&p| view.place(p)).collect::<Vec<_>>();
         for (corners, ink, opacity) in &self.areas {
-            canvas.fill(&path(corners), tint(*ink), *opacity);
+            canvas.fill(&path(corners), look(*ink).0, *opacity);
         }
         for stroke in &self.strokes {
             draw(&mut canvas, stroke.ink, &path(&stroke.path));
@@ -262,33 +262,28 @@ impl Sketch {
     }
 }
 
-fn tint(ink: Ink) -> Colour {
+/// Colour, width, and strokes and gaps of what is broken.
+fn look(ink: Ink) -> (Colour, u32, Option<(f64, f64)>) {
     match ink {
-        Ink::Clamped => Colour(0, 0, 0),
-        Ink::Traction => colour(0),
-        Ink::Contact => colour(1),
-        Ink::Moved => colour(2),
-        Ink::Edge | Ink::Obstacle => INK,
-        Ink::Region => Colour(170, 170, 170),
-        Ink::Thin => Colour(150, 150, 150),
-        Ink::Curve(i) => colour(i),
+        Ink::Clamped => (Colour(0, 0, 0), 5, None),
+        Ink::Traction => (colour(0), 4, None),
+        Ink::Contact => (colour(1), 9, None),
+        Ink::Moved => (colour(2), 4, Some((18.0, 11.0))),
+        Ink::Obstacle => (INK, 4, Some((4.0, 7.0))),
+        Ink::Edge => (INK, 3, None),
+        Ink::Region => (Colour(170, 170, 170), 18, None),
+        Ink::Thin => (THIN, 1, None),
+        Ink::Curve(i) => (colour(i), 4, None),
     }
 }
 
 fn draw(canvas: &mut Canvas, ink: Ink, path: &[CanvasPoint]) {
-    let colour = tint(ink);
-    match ink {
-        Ink::Clamped => {
-            canvas.line(path, colour, 5);
-            path.windows(2).for_each(|pair| hatches(canvas, pair[0], pair[1]))
-        }
-        Ink::Traction | Ink::Curve(_) => canvas.line(path, colour, 4),
-        Ink::Contact => canvas.line(path, colour, 9),
-        Ink::Edge => canvas.line(path, colour, 3),
-        Ink::Region => canvas.line(path, colour, 18),
-        Ink::Moved => canvas.dashed(path, colour, (18.0, 11.0)),
-        Ink::Obstacle => canvas.dashed(path, colour, (4.0, 7.0)),
-        Ink::Thin => canvas.line(path, colour, 1),
+    match look(ink) {
+        (colour, _, Some(pattern)) => canvas.dashed(path, colour, pattern),
+        (colour, width, None) => canvas.line(path, colour, width),
+    }
+    if ink == Ink::Clamped {
+        path.windows(2).for_each(|pair| hatches(canvas, pair[0], pair[1]));
     }
 }
 

@@ -123,8 +123,8 @@ impl Map {
         let left = if self.title.is_empty() { LEFT } else { 30.0 };
         let legend = self.legend.map(|(shade, words)| (tint(shade), words));
         canvas.swatches((left, bottom + LEGEND), legend);
-        for (i, note) in self.notes.iter().enumerate() {
-            let y = bottom + LEGEND + NOTES * text * (i + 1) as f64;
+        for (i, note) in (1..).zip(&self.notes) {
+            let y = bottom + LEGEND + NOTES * text * f64::from(i);
             canvas.text(note, (left, y), Anchor::Left);
         }
         canvas.finish()
