@@ -525,5 +525,6 @@ fn constant_in_words(json: &Value) -> String {
     let number = |key: &str| json[key].as_f64().map(|value| format!("{value:.4e}"));
     let limit = number("limit").map_or(String::new(), |limit| format!(", tends to {limit}"));
     let constant = number("predicted").unwrap_or_else(|| "-".into());
-    format!("{error}: {name} = {constant} of order {} on the finest case{limit}", json["order"])
+    let order = json["order"].as_f64().unwrap_or(f64::NAN);
+    format!("{error}: {name} = {constant} of order {order} on the finest case{limit}")
 }
