@@ -5,13 +5,12 @@ use std::path::PathBuf;
 
 use super::machine::COMMON;
 use super::{
-    CliError, Scenes, check, create_dir, fit, list, merge, print_text, report, run, solve, study,
-    verify,
+    CliError, Scenes, check, fit, list, merge, print_text, report, run, solve, study, verify,
 };
 use clap::error::{ContextKind, ContextValue};
 use clap::{Args, CommandFactory, FromArgMatches, Parser, Subcommand};
 use clap_complete::Shell;
-use files::counted;
+use files::{counted, make_directory};
 use scene::nearest;
 use studies::theory::STUDIES;
 
@@ -178,7 +177,7 @@ impl Man {
     /// For the command line `command`.
     pub(super) fn execute(&self, command: clap::Command) -> Result<u8, CliError> {
         if let Some(out) = &self.out {
-            create_dir(out)?;
+            make_directory(out)?;
             let pages = 1 + command.get_subcommands().count();
             clap_mangen::generate_to(command, out)
                 .map_err(|error| CliError::about(out.display(), error))?;
@@ -187,7 +186,7 @@ impl Man {
         }
         let mut text = Vec::new();
         let page = clap_mangen::Man::new(command);
-        page.render(&mut text).map_err(CliError::other)?;
+        page.render(&mut text)?;
         print_text(String::from_utf8_lossy(&text).trim_end());
         Ok(0)
     }

@@ -15,14 +15,16 @@ use super::{
 use clap::Args;
 use exact::{Finding, Status, check};
 use fem::contact::Plan;
-use files::{counted, digits};
-use judge::verdict::{Foreseen, ForeseenConstant, Variable};
+use files::digits;
+use judge::verdict::{Foreseen, ForeseenConstant, LeadingPoint, Variable};
+use report::json_table;
 use run::sweep::{
     CasePlan, Cost, FloorRow, MemoryLimit, PlanCost, ScenePlan, admit_constants, admit_plan,
     floors_beside, foresee_plan,
 };
 use scene::setup::{Constants, Setup, Smallness, Subject, constants, sides};
-use scene::{Data, Hypothesis, RelaxationTerm};
+use scene::{Data, Hypothesis, RelaxationTerm, Scene};
+use serde_json::Value;
 use studies::theory::corner::{Corner, corners};
 use vhi::history::FastConvolution;
 use vhi::law::INTERPOLATED_TO;
@@ -59,13 +61,10 @@ impl Check {
             costs => costs?,
         };
         let floors = if self.floors { Some(self.measure(&mut plan, &limit)?) } else { None };
-        if self.common.json {
-            print_json(&document(&plan, &findings, &costs, floors.as_deref()))?;
-        } else {
-            print_in_words(&plan, &findings, &costs);
-            if let Some(rows) = &floors {
-                print_text(&floor_table(rows));
-            }
+        let document = document(&plan, &findings, &costs, floors.as_deref());
+        match self.common.json {
+            true => print_json(&document)?,
+            false => print_in_words(plan.scene(), &document),
         }
         Ok(u8::from(failed))
     }
@@ -88,7 +87,7 @@ impl Check {
         admit_plan(plan, 1, limit, beside)?;
         let mut measured = Vec::new();
         for case in &plan.cases {
-            let rows = plan.floors(case).map_err(CliError::other)?;
+            let rows = plan.floors(case)?;
             measured.extend(rows.into_iter().map(|row| (case.clone(), row)));
         }
         plan.cases = all;
@@ -142,7 +141,7 @@ fn document(
     findings: &[Finding],
     costs: &PlanCost,
     floors: Option<&[Measured]>,
-) -> serde_json::Value {
+) -> Value {
     let scene = plan.scene();
     let rows = plan.cases.iter().zip(&costs.cases);
     let reference = plan.reference.zip(costs.reference);
@@ -151,14 +150,13 @@ fn document(
         "findings": findings.iter().map(row).collect::<Vec<_>>(),
         "terms": terms(scene),
         "truth": truth(scene),
-        "regions": regions(plan).iter().map(|(json, _)| json).collect::<Vec<_>>(),
+        "regions": regions(plan),
         "algorithm": of_meshes(plan, costs, |cost| algorithm(&plan.subject, cost.plan)),
         "rule": scene.time.rule.in_words(),
         "history": history(plan),
         "reference": reference.map(|(run, cost)| run_json(Some(run.n), run.steps, &cost)),
         "cases": rows.map(|(case, cost)| case_json(plan, case, cost)).collect::<Vec<_>>(),
-        "constants":
-            predicted_constants(plan).into_iter().map(|(_, json)| json).collect::<Vec<_>>(),
+        "constants": predicted_constants(plan),
     });
     if let Some(floors) = floors {
         document["floors"] = floors.iter().map(floor_json).collect();
@@ -166,34 +164,53 @@ fn document(
     document
 }
 
-/// What the scene requires, the findings, the cases.
-fn print_in_words(plan: &ScenePlan, findings: &[Finding], costs: &PlanCost) {
-    let scene = plan.scene();
-    let say = |label: &str, words: &str| print_beside(label, LABEL, words);
+/// What the scene requires, the findings, the cases, the floors.
+fn print_in_words(scene: &Scene, document: &Value) {
+    let say = |label: &str, words: &str| print_beside(label, 11, words);
+    let text = |key: &str| document[key].as_str().unwrap_or_default();
+    let rows = |key: &str| document[key].as_array().into_iter().flatten();
+    let number = |value: &Value, figures| digits(value.as_f64().unwrap_or(f64::NAN), figures);
+    let cases = rows("cases").count() > 0;
     print_beside("", 0, &format!("{}: {}", scene.name, scene.question));
     say("terms", &terms(scene).join(", "));
-    say("truth", truth(scene));
-    regions(plan).iter().for_each(|(_, line)| say("region", line));
-    if !costs.cases.is_empty() {
-        say("algorithm", &of_meshes(plan, costs, |cost| algorithm(&plan.subject, cost.plan)));
+    say("truth", text("truth"));
+    for region in rows("regions") {
+        let [low, high] = [0, 1].map(|i| number(&region["eigenvalues"][i], 5));
+        let name = region["name"].as_str().unwrap_or_default();
+        say(
+            "region",
+            &format!("{name}: eigenvalues of the elasticity tensor from {low} to {high}"),
+        );
     }
-    say("rule", &scene.time.rule.in_words());
-    say("history", &history(plan));
-    if let (Some(reference), Some(cost)) = (&plan.reference, &costs.reference) {
-        let (n, steps) = (reference.n, reference.steps);
-        say("reference", &format!("n = {n}, N = {steps}: {}", megabytes(cost)));
+    if cases {
+        say("algorithm", text("algorithm"));
     }
-    predicted_constants(plan).iter().for_each(|(line, _)| say("constant", line));
-    for finding in findings {
-        let Finding { subject, status, text, .. } = finding;
-        print_beside(&format!("{subject:<28} {:<9} ", status.name()), 39, text);
+    say("rule", text("rule"));
+    say("history", text("history"));
+    let reference = &document["reference"];
+    if let Some(bytes) = reference["memory_bytes_predicted"].as_f64() {
+        let (n, steps) = (&reference["n"], &reference["steps"]);
+        say("reference", &format!("n = {n}, N = {steps}: {:.0} MB", bytes / 1e6));
     }
-    if !costs.cases.is_empty() {
-        print_text(&case_table(plan, costs));
+    rows("constants").for_each(|constant| say("constant", &constant_in_words(constant)));
+    for finding in rows("findings") {
+        let of = |key: &str| finding[key].as_str().unwrap_or_default();
+        print_beside(&format!("{:<28} {:<9} ", of("subject"), of("status")), 39, of("text"));
+    }
+    let wide = width(TABLE_WIDTH);
+    if cases {
+        let columns = ">n = n; >N = steps; >unknowns = dofs; >memory = memory_bytes_predicted MB; \
+                       >bytes of history = history_bytes";
+        print_text(&json_table(&document["cases"], columns, wide));
+    }
+    if !document["floors"].is_null() {
+        let columns = ">n = n; >N = steps; norm = norm; part = part; >error = error 2; >measured = measured 2; \
+                       >estimated = estimated 2; >ratio = ratio 2";
+        print_text(&json_table(&document["floors"], columns, wide));
     }
 }
 
-fn floor_json((case, row): &Measured) -> serde_json::Value {
+fn floor_json((case, row): &Measured) -> Value {
     serde_json::json!({
         "n": case.n,
         "steps": case.steps,
@@ -206,18 +223,7 @@ fn floor_json((case, row): &Measured) -> serde_json::Value {
     })
 }
 
-fn floor_table(measured: &[Measured]) -> String {
-    let rows = measured.iter().map(|(case, row)| {
-        let n = case.n.map_or("-".into(), |n| n.to_string());
-        let words = [n, case.steps.to_string(), row.norm.name().into(), row.part.name().into()];
-        let numbers = [row.error, row.measured, row.estimated, row.estimated / row.measured];
-        words.into_iter().chain(numbers.map(|value| format!("{value:.1e}"))).collect()
-    });
-    let heads = [">n", ">N", "norm", "part", ">error", ">measured", ">estimated", ">ratio"];
-    report::text_table(&heads, &rows.collect::<Vec<Vec<String>>>(), width(TABLE_WIDTH))
-}
-
-fn run_json(n: Option<u32>, steps: u32, cost: &Cost) -> serde_json::Value {
+fn run_json(n: Option<u32>, steps: u32, cost: &Cost) -> Value {
     serde_json::json!({
         "n": n,
         "steps": steps,
@@ -226,31 +232,12 @@ fn run_json(n: Option<u32>, steps: u32, cost: &Cost) -> serde_json::Value {
     })
 }
 
-fn case_json(plan: &ScenePlan, case: &CasePlan, cost: &Cost) -> serde_json::Value {
+fn case_json(plan: &ScenePlan, case: &CasePlan, cost: &Cost) -> Value {
     let mut json = run_json(case.n, case.steps, cost);
     json["dofs"] = cost.dofs.into();
     json["history_bytes"] = history_bytes(&plan.subject, case.steps, cost.dofs).into();
     json["norms"] = case.norms.iter().map(|norm| norm.name()).collect();
     json
-}
-
-fn megabytes(cost: &Cost) -> String {
-    format!("{:.0} MB", cost.memory_bytes / 1e6)
-}
-
-const LABEL: usize = 11;
-
-/// The cases with their predicted costs.
-fn case_table(plan: &ScenePlan, costs: &PlanCost) -> String {
-    let row = |(case, cost): (&CasePlan, &Cost)| {
-        let history = history_bytes(&plan.subject, case.steps, cost.dofs);
-        let n = case.n.map_or_else(|| "-".into(), |n| n.to_string());
-        let numbers = [n, case.steps.to_string(), cost.dofs.to_string()];
-        numbers.into_iter().chain([megabytes(cost), history.to_string()]).collect::<Vec<_>>()
-    };
-    let rows: Vec<Vec<String>> = plan.cases.iter().zip(&costs.cases).map(row).collect();
-    let heads = [">n", ">N", ">unknowns", ">memory", ">bytes of history"];
-    report::text_table(&heads, &rows, width(TABLE_WIDTH))
 }
 
 /// A property common to all runs, or the meshes with each value of it.
@@ -312,7 +299,7 @@ fn algorithm(subject: &Subject, plan: Plan) -> &'static str {
 }
 
 /// The named regions with the extreme eigenvalues of 𝒜, and the rest of the body.
-fn regions(plan: &ScenePlan) -> Vec<(serde_json::Value, String)> {
+fn regions(plan: &ScenePlan) -> Vec<Value> {
     let Subject::Contact(setup) = &plan.subject else { return Vec::new() };
     let material = &setup.body.material;
     if material.regions.is_empty() {
@@ -322,12 +309,7 @@ fn regions(plan: &ScenePlan) -> Vec<(serde_json::Value, String)> {
     let all = std::iter::once(("elsewhere", &material.elastic)).chain(named);
     all.map(|(name, elastic)| {
         let (low, high) = elastic.eigenvalues(setup.scene.dimension);
-        let line = format!(
-            "{name}: eigenvalues of the elasticity tensor from {} to {}",
-            digits(low, 5),
-            digits(high, 5)
-        );
-        (serde_json::json!({ "name": name, "eigenvalues": [low, high] }), line)
+        serde_json::json!({ "name": name, "eigenvalues": [low, high] })
     })
     .collect()
 }
@@ -357,7 +339,7 @@ fn history(plan: &ScenePlan) -> String {
     }
 }
 
-fn row(finding: &Finding) -> serde_json::Value {
+fn row(finding: &Finding) -> Value {
     serde_json::json!({
         "subject": finding.subject,
         "status": finding.status.name(),
@@ -505,47 +487,44 @@ fn hypotheses(setup: &Setup, c: &Constants) -> Vec<Finding> {
     findings
 }
 
-// The predicted constants of a plan, for `sweep check`.
-
-/// One line and one JSON object per prediction.
-pub(crate) fn predicted_constants(plan: &ScenePlan) -> Vec<(String, serde_json::Value)> {
+/// The predicted constants of a plan.
+fn predicted_constants(plan: &ScenePlan) -> Vec<Value> {
     let orders = plan.scene().predicts.iter().map(|prediction| prediction.order);
-    foresee_plan(plan).iter().zip(orders).map(|(known, order)| one(known, order)).collect()
+    let one = |(known, order): (&ForeseenConstant, f64)| {
+        let ForeseenConstant { norm, variable, foreseen, .. } = known;
+        let (predicted, limit, not_predicted) = match foreseen {
+            Foreseen::Nothing { not_predicted } => (None, None, Some(not_predicted)),
+            Foreseen::Leading(line) => {
+                let step = |p: &LeadingPoint| match variable {
+                    Variable::H => p.h.unwrap_or(f64::NAN),
+                    _ => p.k,
+                };
+                let finest = line.points.iter().min_by(|a, b| step(a).total_cmp(&step(b)));
+                (finest.map(|point| point.error / step(point).powf(order)), line.limit, None)
+            }
+        };
+        serde_json::json!({
+            "norm": norm, "variable": variable, "order": order,
+            "predicted": predicted, "limit": limit, "not_predicted": not_predicted,
+        })
+    };
+    foresee_plan(plan).iter().zip(orders).map(one).collect()
 }
 
-fn one(known: &ForeseenConstant, order: f64) -> (String, serde_json::Value) {
-    let ForeseenConstant { norm, variable, foreseen, .. } = known;
-    let (name, letter) = match variable {
-        Variable::H => ("C_h", "h"),
-        Variable::K => ("C_k", "k"),
-        Variable::Joint => ("C_h, C_k", "h, k"),
-        Variable::Path => ("C", "h along the path"),
+fn constant_in_words(json: &Value) -> String {
+    let (name, letter) = match json["variable"].as_str() {
+        Some("h") => ("C_h", "h"),
+        Some("k") => ("C_k", "k"),
+        Some("joint") => ("C_h, C_k", "h, k"),
+        _ => ("C", "h along the path"),
     };
-    let mut json = serde_json::json!({
-        "norm": norm, "variable": variable, "order": order,
-        "predicted": null, "limit": null, "not_predicted": null,
-    });
-    let line = match foreseen {
-        Foreseen::Nothing { not_predicted } => {
-            json["not_predicted"] = serde_json::json!(not_predicted);
-            format!("{norm} in {letter}: none, {not_predicted}")
-        }
-        Foreseen::Leading(line) => {
-            let step = |p: &judge::verdict::LeadingPoint| match variable {
-                Variable::H => p.h.unwrap_or(f64::NAN),
-                _ => p.k,
-            };
-            let finest = line.points.iter().min_by(|a, b| step(a).total_cmp(&step(b)));
-            let constant = finest.map(|point| point.error / step(point).powf(order));
-            json["predicted"] = serde_json::json!(constant);
-            json["limit"] = serde_json::json!(line.limit);
-            let limit = line.limit.map_or(String::new(), |limit| format!(", tends to {limit:.4e}"));
-            let constant = constant.map_or("-".into(), |constant| format!("{constant:.4e}"));
-            let points = counted(line.points.len(), "case");
-            format!(
-                "{norm} in {letter}: {name} = {constant} of order {order} on the finest of {points}{limit}"
-            )
-        }
-    };
-    (line, json)
+    let error = format!("{} in {letter}", json["norm"].as_str().unwrap_or_default());
+    if let Some(why) = json["not_predicted"].as_str() {
+        return format!("{error}: none, {why}");
+    }
+    let number = |key: &str| json[key].as_f64().map(|value| format!("{value:.4e}"));
+    let limit = number("limit").map_or(String::new(), |limit| format!(", tends to {limit}"));
+    let constant = number("predicted").unwrap_or_else(|| "-".into());
+    let order = json["order"].as_f64().unwrap_or(f64::NAN);
+    format!("{error}: {name} = {constant} of order {order} on the finest case{limit}")
 }

@@ -1,51 +1,47 @@
 //! The error of a command, and its exit code.
 
-use std::fmt::Display;
+use std::error::Error;
+use std::fmt::{self, Display};
 
+use run::FrontError;
 use scene::SceneError;
 use scene::setup::SetupError;
+use studies::study::StudyError;
+use studies::trade::TradeError;
 
 /// The exit code where nothing could be judged.
 pub(super) const COULD_NOT_JUDGE: u8 = 2;
 
 /// An error that ends a command, as one message on stderr and exit code 2.
-#[derive(Debug, thiserror::Error)]
-pub enum CliError {
-    #[error("{0}")]
-    Scene(#[from] SceneError),
-    #[error("{0}")]
-    Setup(#[from] SetupError),
-    #[error("error: {0}")]
-    File(#[from] files::FileError),
-    #[error("error: {0}")]
-    Sweep(#[from] ::run::sweep::SweepError),
-    #[error("error: {0}")]
-    Output(#[from] ::run::sweep::OutputError),
-    #[error("error: {0}")]
-    Memory(#[from] ::run::sweep::Refused),
-    #[error("error: {0}")]
-    Report(#[from] ::report::ReportError),
-    #[error("error: {0}")]
-    Other(String),
+#[derive(Debug)]
+pub struct CliError(String);
+
+impl Display for CliError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.0)
+    }
 }
 
-impl From<::run::FrontError> for CliError {
-    fn from(error: ::run::FrontError) -> Self {
-        match error {
-            ::run::FrontError::Scene(error) => error.into(),
-            ::run::FrontError::Setup(error) => error.into(),
-            other => Self::other(other),
-        }
+impl<E: Error + 'static> From<E> for CliError {
+    /// Errors of scenes begin themselves, with the line of the file.
+    fn from(error: E) -> Self {
+        let any: &dyn Error = &error;
+        let of_scene = any.is::<SceneError>()
+            || any.is::<SetupError>()
+            || matches!(any.downcast_ref(), Some(FrontError::Scene(_) | FrontError::Setup(_)))
+            || matches!(any.downcast_ref(), Some(StudyError::Scene(_) | StudyError::Setup(_)))
+            || matches!(any.downcast_ref(), Some(TradeError::Setup(_)));
+        if of_scene { Self(error.to_string()) } else { Self::other(error) }
     }
 }
 
 impl CliError {
     pub(super) fn other(error: impl Display) -> Self {
-        Self::Other(error.to_string())
+        Self(format!("error: {error}"))
     }
 
     /// An error that does not name its file, scene or case.
     pub(super) fn about(what: impl Display, error: impl Display) -> Self {
-        Self::Other(format!("{what}: {error}"))
+        Self::other(format!("{what}: {error}"))
     }
 }

@@ -8,11 +8,11 @@ use std::str::FromStr;
 
 use self::eoc::Style;
 use self::parts::{Asked, Part};
-use super::output::{print_error, write_user_file};
+use super::output::print_error;
 use super::swept::{announce, in_file, on_github};
 use super::{CliError, print_json, print_text};
 use clap::Args;
-use files::{FileError, read_at_most, up_to};
+use files::{FileError, read_at_most, up_to, write_named};
 use judge::fit::{Claim, Direction, Known, Point, TOLERANCE, deviation, path};
 use judge::table::{Group, Quantity, Reading, Row, Tables, named, read};
 use judge::verdict::{Decision, Prediction, Variable, Verdict};
@@ -121,12 +121,12 @@ impl Fit {
         self.check_reference(&tables)?;
         let Self { at_least, exact, tolerance, log, .. } = *self;
         let claim = Claim { order: 1.0, at_least, exact, tolerance, log };
-        let claim = claim.checked().map_err(CliError::other)?;
+        let claim = claim.checked()?;
         let left_out = self.window.map(|window| window.narrow(&mut tables)).unwrap_or_default();
         let [p, q] = &claims;
         for claims in claims.iter().flatten() {
             let all = tables.groups.iter().filter_map(|group| claims.of(group, claim));
-            all.map(Claim::checked).collect::<Result<Vec<_>, _>>().map_err(CliError::other)?;
+            all.map(Claim::checked).collect::<Result<Vec<_>, _>>()?;
         }
         let asked = |group: &Group| {
             let of = |claims: &Option<Claims>| claims.as_ref().and_then(|c| c.of(group, claim));
@@ -144,7 +144,7 @@ impl Fit {
         if let Some(file) = &self.svg {
             let order = |group: &Group, direction| asked(group).order(direction);
             let drawn = eoc::svg(&tables.groups, order)?;
-            write_user_file(file, drawn)?;
+            write_named(file, drawn.as_bytes())?;
         }
         let texts = match (self.markdown, self.latex) {
             (true, _) => eoc::tables(&tables.groups, Style::Markdown),
@@ -312,7 +312,7 @@ pub struct Fitted {
 pub fn fitted(file: &Path, [p, q]: [Option<f64>; 2]) -> Result<Fitted, CliError> {
     let name = file.display().to_string();
     let tables = tables(&name, &read_at_most(file, LARGEST)?, &Reading::default())?;
-    let claim = Claim::new(1.0).map_err(CliError::other)?;
+    let claim = Claim::new(1.0)?;
     judged(
         &name,
         &tables,

@@ -4,8 +4,8 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use super::{CliError, Scenes, create_dir, print_beside, print_json, print_text, write_file};
-use files::counted;
+use super::{CliError, Scenes, print_beside, print_json, print_text};
+use files::{counted, make_directory, replace_file};
 use scene::{Body, Data, Scene};
 use studies::portrait::scene_picture;
 
@@ -76,9 +76,9 @@ impl List {
 
 /// A picture of each scene; foreign files in the folder stay.
 fn pictures(scenes: &[Scene], folder: &std::path::Path) -> Result<u8, CliError> {
-    create_dir(folder)?;
+    make_directory(folder)?;
     for scene in scenes {
-        write_file(&folder.join(format!("{}.svg", scene.name)), scene_picture(scene))?;
+        replace_file(&folder.join(format!("{}.svg", scene.name)), scene_picture(scene).as_bytes())?;
     }
     print_text(&format!("{} in {}", counted(scenes.len(), "picture"), folder.display()));
     Ok(0)

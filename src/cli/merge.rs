@@ -44,23 +44,21 @@ pub(crate) struct MergeCommand {
 
 impl MergeCommand {
     pub(super) fn execute(&self) -> Result<u8, CliError> {
-        let wanted = self.cases.as_deref().map(read_keys).transpose().map_err(CliError::other)?;
+        let wanted = self.cases.as_deref().map(read_keys).transpose()?;
         let baseline = self.baseline.as_deref().map(recorded).transpose()?;
-        let parts = Parts::open(&self.parts).map_err(CliError::other)?;
+        let parts = Parts::open(&self.parts)?;
         let out = OutputDirectory::take(&self.out)?;
         self.apart(&parts)?;
         let count = parts.dirs.len();
         let merged = parts.merge(wanted.as_deref(), self.incomplete, baseline.as_ref());
-        let Merged { records, verdicts, missing, comparison, mut provenance } =
-            merged.map_err(CliError::other)?;
+        let Merged { records, verdicts, missing, comparison, mut provenance } = merged?;
         provenance.run = Some(Circumstances::new(&super::BUILD, 1, &self.options()));
         replace_records(&self.out, &provenance, false)?;
         let table = self.out.join("cases.csv");
-        write_sorted(&table, &records).map_err(CliError::other)?;
+        write_sorted(&table, &records)?;
         let provenance = provenance.json();
         let verdict = self.out.join("verdict.json");
-        write_json(&verdict, &provenance, &verdicts, &records, comparison.as_ref())
-            .map_err(CliError::other)?;
+        write_json(&verdict, &provenance, &verdicts, &records, comparison.as_ref())?;
         let _out = Some(out);
         let swept = Swept { records, verdicts, provenance, comparison, _out, ..Swept::default() };
         if self.json {
@@ -98,7 +96,7 @@ impl MergeCommand {
 }
 
 fn recorded(path: &Path) -> Result<Baseline, CliError> {
-    let read = Baseline::read(path).map_err(CliError::other)?;
+    let read = Baseline::read(path)?;
     read.ok_or_else(|| CliError::about(path.display(), "no such file"))
 }
 
@@ -132,7 +130,7 @@ pub(crate) struct BaselineCommand {
 
 impl BaselineCommand {
     pub(super) fn execute(self, scenes: &Scenes) -> Result<u8, CliError> {
-        let old = Baseline::read(&self.file).map_err(CliError::other)?;
+        let old = Baseline::read(&self.file)?;
         let named = self.scenes.clone();
         let chosen = Chosen { scenes: named, all: self.all, ..Chosen::default() };
         let Self { out, jobs, allowance, .. } = self;
@@ -158,7 +156,7 @@ impl BaselineCommand {
         }
         let changes = before.changes(&new);
         changes.iter().for_each(|line| print_text(line));
-        new.write(&self.file).map_err(CliError::other)?;
+        new.write(&self.file)?;
         let scenes = counted(new.scenes.len(), "scene");
         let changes = counted(changes.len(), "change");
         print_text(&format!("{}: {scenes}, {changes}", self.file.display()));

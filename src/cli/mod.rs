@@ -31,8 +31,8 @@ use arguments::{Arguments, Command};
 use build::BUILD;
 use error::COULD_NOT_JUDGE;
 use output::{
-    TABLE_WIDTH, create_dir, delivered, print_as_it_is, print_beside, print_error, print_json,
-    print_text, print_verdicts, prints_all, verdict_table, width, write_file,
+    TABLE_WIDTH, delivered, print_as_it_is, print_beside, print_error, print_json, print_text,
+    print_verdicts, prints_all, verdict_table, width,
 };
 use scenes::{Scenes, meshes_fit, note_groups, subject};
 

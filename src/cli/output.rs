@@ -1,14 +1,11 @@
 //! Output of commands: text and progress on stdout and stderr, files in a given directory.
 
 use std::io::{self, IsTerminal, Write};
-use std::path::Path;
 use std::sync::{Mutex, MutexGuard, OnceLock, PoisonError};
 use std::time::Instant;
 
 use super::CliError;
-use files::{
-    counted, harmless, harmless_json, make_directory, read_file, replace_file, write_named,
-};
+use files::{counted, harmless, harmless_json};
 use indicatif::{ProgressBar, ProgressStyle};
 use judge::record::{CaseRecord, Status};
 use judge::verdict::{Decision, Verdict};
@@ -116,26 +113,6 @@ pub(crate) const TABLE_WIDTH: u16 = 100;
 /// Narrowest table.
 const NARROWEST: u16 = 60;
 const WIDEST: u16 = 180;
-
-/// Creates a directory and its parents; removes unfinished files of a killed process.
-pub(crate) fn create_dir(dir: &Path) -> Result<(), CliError> {
-    Ok(make_directory(dir)?)
-}
-
-/// Writes a file of a directory atomically.
-pub(crate) fn write_file(path: &Path, bytes: impl AsRef<[u8]>) -> Result<(), CliError> {
-    Ok(replace_file(path, bytes.as_ref())?)
-}
-
-/// Writes to a path of the user, through links and into pipes.
-pub(crate) fn write_user_file(path: &Path, bytes: impl AsRef<[u8]>) -> Result<(), CliError> {
-    Ok(write_named(path, bytes.as_ref())?)
-}
-
-/// Copies a written file to a path of the user, through links and into pipes.
-pub(crate) fn copy_named(from: &Path, to: &Path) -> Result<(), CliError> {
-    Ok(write_named(to, &read_file(from)?)?)
-}
 
 // Colours the words of verdicts on a terminal.
 

@@ -4,9 +4,9 @@ use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-use super::output::write_user_file;
 use super::{CliError, Scenes, print_text, print_verdicts};
 use clap::Args;
+use files::write_named;
 use judge::record::{CaseRecord, CaseTable, Key, read_table};
 use judge::verdict::{Earlier, exit_code, read_earlier, restore_reasons};
 use report::write_all;
@@ -41,9 +41,8 @@ impl Report {
         let _held = self.hold()?;
         let path = self.dir.join("cases.csv");
         let read = read_table(&path).and_then(|table| table.unchanged(&path));
-        let CaseTable { cases: mut records, torn, .. } = read.map_err(CliError::other)?;
-        let Earlier { failures, foreseen } =
-            read_earlier(&self.dir.join("verdict.json")).map_err(CliError::other)?;
+        let CaseTable { cases: mut records, torn, .. } = read?;
+        let Earlier { failures, foreseen } = read_earlier(&self.dir.join("verdict.json"))?;
         restore_reasons(&mut records, &failures);
         let known = Provenance::read(&self.dir)?;
         if let Some(other) = known.as_ref().and_then(Provenance::other_version) {
@@ -196,7 +195,7 @@ impl<'a> Typesetter<'a> {
     /// The program beside this one.
     pub(super) fn find(file: &'a Path) -> Result<Self, CliError> {
         let name = format!("typeset{}", std::env::consts::EXE_SUFFIX);
-        let program = std::env::current_exe().map_err(CliError::other)?.with_file_name(name);
+        let program = std::env::current_exe()?.with_file_name(name);
         if program.is_file() {
             return Ok(Self { program, file });
         }
@@ -215,6 +214,6 @@ impl<'a> Typesetter<'a> {
             let reason = format!("ended with {}: {}", output.status, said.trim_end());
             return Err(CliError::about(self.program.display(), reason));
         }
-        write_user_file(self.file, output.stdout)
+        Ok(write_named(self.file, &output.stdout)?)
     }
 }

@@ -7,12 +7,11 @@ use rayon::prelude::*;
 
 use super::machine::on_interrupt;
 use super::machine::{Allowance, processors};
-use super::output::copy_named;
 use super::scenes::Chosen;
 use super::swept::Swept;
 use super::swept::{annotate, on_github};
 use super::{CliError, Scenes, print_json, print_text};
-use files::{counted, quoted};
+use files::{counted, quoted, read_file, write_named};
 use judge::record::{CaseRecord, Key, RecordError, write_sorted};
 use judge::verdict::{Baseline, Verdict, failures, write_json};
 use report::write_junit;
@@ -161,10 +160,9 @@ impl Run {
         if failed > 0 {
             // The table has no column for reasons.
             let provenance = Provenance::of_run(&plans, &machine).json();
-            write_json(&what.out.join("verdict.json"), &provenance, &[], &records, None)
-                .map_err(CliError::other)?;
+            write_json(&what.out.join("verdict.json"), &provenance, &[], &records, None)?;
         }
-        write_sorted(&what.out.join("cases.csv"), &records).map_err(CliError::other)?;
+        write_sorted(&what.out.join("cases.csv"), &records)?;
         let (cases, out) = (counted(records.len(), "case"), what.out.display());
         print_text(&format!("{cases} in {out}, {failed} failed"));
         Ok(0)
@@ -176,7 +174,7 @@ impl Gate {
         let plans = self.what.plans(scenes)?;
         if !plans.iter().any(|plan| plan.scene().judge) {
             let names: Vec<_> = plans.iter().map(|plan| &*plan.scene().name).collect();
-            return Err(CliError::Other(format!(
+            return Err(CliError::other(format!(
                 "there is nothing to judge, because {} has judge = false; name a judged scene, or use sweep run",
                 names.join(", ")
             )));
@@ -184,10 +182,9 @@ impl Gate {
         let swept = self.what.sweep(scenes, plans, false, true)?;
         let Swept { provenance, verdicts, records, comparison, .. } = &swept;
         let document = self.what.out.join("verdict.json");
-        write_json(&document, provenance, verdicts, records, comparison.as_ref())
-            .map_err(CliError::other)?;
+        write_json(&document, provenance, verdicts, records, comparison.as_ref())?;
         if let Some(path) = &self.json {
-            copy_named(&document, path)?;
+            write_named(path, &read_file(&document)?)?;
         }
         if let Some(path) = &self.junit {
             write_junit(path, &swept.verdicts, &swept.provenance, swept.comparison.as_ref())?;
@@ -247,7 +244,7 @@ impl What {
         match run_sweep(plans, out, &machine, resume, &progress) {
             Ok(records) => Ok((machine, records)),
             // Records are kept whatever stopped the writing.
-            Err(SweepError::Record(error @ RecordError::Io(_))) => Err(CliError::Other(format!(
+            Err(SweepError::Record(error @ RecordError::Io(_))) => Err(CliError::other(format!(
                 "{error}\nfinished cases are kept in {}\ngo on with: {resuming}",
                 self.out.display()
             ))),
@@ -265,7 +262,7 @@ impl What {
             None if elsewhere => return Ok(None),
             None => PathBuf::from(BASELINE),
         };
-        let read = Baseline::read(&path).map_err(CliError::other)?;
+        let read = Baseline::read(&path)?;
         match (&self.baseline, read) {
             (Some(_), None) => Err(CliError::about(path.display(), "no such file")),
             (None, None) if scenes.folder.is_none() => {

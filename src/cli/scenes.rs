@@ -179,6 +179,6 @@ impl Chosen {
     /// The error if there is no plan at all.
     pub(super) fn none(scenes: &Scenes, purpose: &str) -> CliError {
         let place = scenes.place();
-        CliError::Other(format!("no scene to {purpose} {place}: name one, or add --all"))
+        CliError::other(format!("no scene to {purpose} {place}: name one, or add --all"))
     }
 }

@@ -9,12 +9,9 @@ use std::time::Instant;
 use clap::{Args, ValueEnum};
 
 use super::machine::Common;
-use super::{
-    CliError, Scenes, abstract_problem, create_dir, print_json, print_text, subject, width,
-    write_file,
-};
+use super::{CliError, Scenes, abstract_problem, print_json, print_text, subject, width};
 use fem::contact::{CaseInfo, Discretization, Model, StepView};
-use files::digits;
+use files::{digits, make_directory, replace_file};
 use pictures::Pictures;
 use report::StudyDocument;
 use run::sweep::admit_run;
@@ -128,8 +125,7 @@ impl Solve {
     /// Estimates the error and recommends n and N; invalid arguments are refused before any run.
     fn estimated(&self, setup: &Setup, n: u32) -> Result<u8, CliError> {
         let limit = self.common.allowance.limit();
-        let wanted =
-            Wanted::read(setup, &self.norm, self.target.as_deref()).map_err(CliError::other)?;
+        let wanted = Wanted::read(setup, &self.norm, self.target.as_deref())?;
         let singular = "its extrapolation assumes the order of the time rule";
         setup.scene.without(&[Extension::SingularKernel], "sweep solve --estimate", singular)?;
         companion_runs(setup, n, self.steps).admit(&limit)?;
@@ -140,7 +136,7 @@ impl Solve {
             pull.see(space, view);
         };
         let found = estimate(setup, [n, self.steps], wanted, &limit, &mut watch);
-        let found = found.map_err(CliError::other)?;
+        let found = found?;
         files.finish()?;
         pull.remark(setup);
         match self.common.json {
@@ -174,7 +170,7 @@ impl Solve {
         self.remark_on(&setup.scene.name, bound);
         let (info, state, seconds) = self.march(setup, n, &data, start)?;
         let linear = &info.work.linear;
-        let mut document = serde_json::to_value(state).map_err(CliError::other)?;
+        let mut document = serde_json::to_value(state)?;
         let of_run = json!({
             "newton_iterations": info.newton_iterations,
             "fixed_point_iterations": info.fixed_point_iterations,
@@ -246,9 +242,9 @@ impl Solve {
         files.finish()?;
         pull.remark(setup);
         if let (Some(pictures), Some(dir)) = (pictures, &self.pictures) {
-            create_dir(dir)?;
+            make_directory(dir)?;
             for (file, svg) in pictures.finish() {
-                write_file(&dir.join(file), svg)?;
+                replace_file(&dir.join(file), svg.as_bytes())?;
             }
         }
         let state = last.ok_or_else(|| CliError::other("the run stopped before its last step"))?;
@@ -268,7 +264,7 @@ struct Files(Option<VtuSeries>, Option<CliError>);
 impl Files {
     fn new(dir: Option<&PathBuf>, name: &str) -> Result<Self, CliError> {
         let series = dir.map(|dir| VtuSeries::new(dir, name)).transpose();
-        Ok(Self(series.map_err(CliError::other)?, None))
+        Ok(Self(series?, None))
     }
 
     fn write(&mut self, space: &Discretization, model: &Model, view: &StepView<'_>) {

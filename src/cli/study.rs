@@ -3,21 +3,21 @@
 use std::path::{Path, PathBuf};
 
 use super::machine::{Common, processors, share_threads};
-use super::{CliError, Scenes, create_dir, note_groups, print_json, print_text, width};
+use super::{CliError, Scenes, note_groups, print_json, print_text, width};
 use clap::error::ErrorKind;
 use clap::{ArgAction, ArgMatches, Args, Command, FromArgMatches, Subcommand, value_parser};
-use files::counted;
+use files::{counted, make_directory};
 use report::{Findings, StudyDocument};
 use studies::diagnose::{admit_diagnosis, diagnose};
 use studies::extremes::{Ladder, UnderTest, admit, catalogue, climb, found};
-use studies::study::{Asked, Study, StudyError};
+use studies::study::{Asked, Study};
 use studies::theory::STUDIES;
-use studies::trade::{Trade, TradeError, Wanted, measurable, trade};
+use studies::trade::{Trade, Wanted, measurable, trade};
 
 /// Prints findings, and writes their files if a directory is given. The exit code: 1 unless every claim holds.
 pub(super) fn show(findings: &Findings, out: Option<&Path>, as_json: bool) -> Result<u8, CliError> {
     if let Some(dir) = out {
-        create_dir(dir)?;
+        make_directory(dir)?;
         findings.write(dir)?;
     }
     if as_json {
@@ -59,17 +59,6 @@ impl StudyCommand {
         note_groups(&scene);
         let asked = Asked { n, steps, limit: common.allowance.limit(), jobs: processors() };
         show(&(self.study.run)(scene, &asked)?, out.as_deref(), common.json)
-    }
-}
-
-impl From<StudyError> for CliError {
-    fn from(error: StudyError) -> Self {
-        match error {
-            StudyError::Scene(error) => error.into(),
-            StudyError::Setup(error) => error.into(),
-            StudyError::Memory(error) => error.into(),
-            StudyError::Other(words) => Self::Other(words),
-        }
     }
 }
 
@@ -165,16 +154,6 @@ pub(crate) struct TradeCommand {
     common: Common,
 }
 
-impl From<TradeError> for CliError {
-    fn from(error: TradeError) -> Self {
-        match error {
-            TradeError::Setup(error) => error.into(),
-            TradeError::Memory(error) => error.into(),
-            other => Self::other(other),
-        }
-    }
-}
-
 impl TradeCommand {
     pub(super) fn execute(&self, scenes: &Scenes) -> Result<u8, CliError> {
         if self.budget.is_nan() || self.budget <= 0.0 {
@@ -184,7 +163,7 @@ impl TradeCommand {
         let wanted = Wanted::read(&setup, &self.norm, self.target.as_deref());
         let asked = Trade {
             setup: &setup,
-            wanted: wanted.map_err(CliError::other)?,
+            wanted: wanted?,
             n: self.n.clone(),
             steps: self.steps.clone(),
             budget: self.budget,

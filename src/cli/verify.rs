@@ -17,7 +17,7 @@ use super::{CliError, Scenes, TABLE_WIDTH, print_json, print_text, verdict_table
 use files::shortened;
 use judge::record::{CaseRecord, Key};
 use judge::verdict::{Failure, failures};
-use report::write_junit;
+use report::{json_table, write_junit};
 use run::external::{
     ExternalSolver, LOG, Way, case_dir, last_lines, look_for_cause, on_pressures, solver_first,
     write_case,
@@ -131,7 +131,8 @@ impl Verify {
             print_text(&format!("report: {}", self.out.join("index.html").display()));
             if let (Some(built_in), Some(rows)) = (&beside, &compared) {
                 print_text(&format!("built-in solver:\n{}", verdict_table(&built_in.verdicts)));
-                print_text(&table(rows));
+                let columns = ">n = n; >N = steps; norm = norm; >error = solver 7; >built-in = own 7; >difference = difference 2";
+                print_text(&json_table(&json!(rows), columns, width(TABLE_WIDTH)));
             }
         }
         if !self.json && on_github(self.github) {
@@ -226,7 +227,7 @@ fn export(plan: &ScenePlan, folder: &Path) -> Result<u8, CliError> {
         let data = MeshData::new(setup, of_mesh[0].0, None)?;
         for &(_, steps) in of_mesh {
             let dir = case_dir(folder, &setup.scene.name, data.space.mesh.n, steps);
-            write_case(&dir, setup, &data, steps).map_err(CliError::other)?;
+            write_case(&dir, setup, &data, steps)?;
             print_text(&dir.display().to_string());
         }
     }
@@ -258,20 +259,4 @@ fn compare(solver: &[CaseRecord], built_in: &[CaseRecord]) -> Vec<Beside> {
         entries.flatten().collect::<Vec<_>>()
     };
     solver.iter().flat_map(of_record).collect()
-}
-
-fn table(rows: &[Beside]) -> String {
-    let cells = |row: &Beside| {
-        vec![
-            row.n.map_or(String::new(), |n| n.to_string()),
-            row.steps.to_string(),
-            row.norm.clone(),
-            format!("{:.6e}", row.solver),
-            format!("{:.6e}", row.built_in),
-            format!("{:.1e}", row.difference),
-        ]
-    };
-    let rows: Vec<Vec<String>> = rows.iter().map(cells).collect();
-    let heads = [">n", ">N", "norm", ">error", ">built-in", ">difference"];
-    report::text_table(&heads, &rows, width(TABLE_WIDTH))
 }

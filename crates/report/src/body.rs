@@ -1,8 +1,12 @@
 //! A deformed plane body: stress by shade, yielding cells, pressure on Γ3 as arrows.
 
-use super::canvas::{Anchor, Canvas, CanvasPoint, DASHES, LINE, View, corners as corners_of};
-use super::digits;
-use super::palette::{Colour, INK, colour, mixed};
+use crate::canvas::{
+    Anchor, Canvas, CanvasPoint, Colour, DASHES, INK, LINE, PAPER, View, colour,
+    corners as corners_of, mixed, span,
+};
+use crate::chart::Frame;
+use crate::digits;
+use crate::ruler::{Room, Ruler, Scale};
 
 /// A triangle of the deformed mesh.
 #[derive(Debug, Clone, PartialEq)]
@@ -161,56 +165,361 @@ fn arrow(canvas: &mut Canvas, foot: CanvasPoint, (dx, dy): (f64, f64), length: f
     canvas.fill(&[foot, side(1.0), side(-1.0)], colour(0), 1.0);
 }
 
-#[cfg(test)]
-mod tests {
-    use super::*;
+// A small picture of a domain or a few curves, readable at 240 pixels.
 
-    /// Of 953 cells in 1152 the others are hatched.
-    #[test]
-    fn the_fewer_cells_are_hatched() {
-        let cell =
-            |yields| Cell { corners: [(0.0, 0.0), (1.0, 0.0), (0.0, 1.0)], stress: 1.0, yields };
-        let picture = |yields: &[bool]| Deformed {
-            title: String::new(),
-            subtitle: String::new(),
-            quantity: String::new(),
-            cells: yields.iter().map(|yielding| cell(*yielding)).collect(),
-            rest: Vec::new(),
-            yield_border: Vec::new(),
-            arrows: Vec::new(),
-        };
-        let most = picture(&[true, true, true, false]);
-        assert!(most.hatched().count() == 1 && most.hatched().all(|cell| !cell.yields));
-        let few = picture(&[true, false, false, false]);
-        assert!(few.hatched().count() == 1 && few.hatched().all(|cell| cell.yields));
-        assert!(most.svg().unwrap().contains("elastic; yielding:"));
-        assert!(picture(&[true]).svg().unwrap().contains("all cells yield"));
+/// Size in units, two per pixel.
+const SKETCH: (u32, u32) = (480, 404);
+/// Text height: 11 pixels.
+const TEXT: f64 = 22.0;
+/// Drawing area: left, top, right, bottom. The legend is below.
+const SKETCHED: [f64; 4] = [24.0, 16.0, 456.0, 292.0];
+/// Start of words at the left margin.
+const MARGIN: f64 = 1.0;
+/// Legend: entries per line, height of the first line, line spacing.
+const ENTRIES: usize = 2;
+const FIRST_LINE: f64 = 322.0;
+const NEXT_LINE: f64 = 32.0;
+
+/// What a line or area stands for; each has a colour and a line style, for prints without colours.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Ink {
+    /// Γ1: a heavy line with hatches.
+    Clamped,
+    /// Γ2.
+    Traction,
+    /// Γ3: a heavy line.
+    Contact,
+    /// The body moved by u(T), dashed.
+    Moved,
+    /// What the body may touch, dotted.
+    Obstacle,
+    /// An edge of a body in space.
+    Edge,
+    Region,
+    /// Lines of the mesh, hidden edges, axes.
+    Thin,
+    /// The i-th curve.
+    Curve(usize),
+}
+
+/// Corners, y upwards, with ink and opacity.
+pub(crate) type Area = (Vec<(f64, f64)>, Ink, f64);
+
+/// A line.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Stroke {
+    pub ink: Ink,
+    /// Points, y upwards.
+    pub path: Vec<(f64, f64)>,
+}
+
+/// A picture without axes.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Sketch {
+    /// Drawn first.
+    pub areas: Vec<Area>,
+    /// Lines, the first below the others.
+    pub strokes: Vec<Stroke>,
+    /// Words at the left margin, at the heights of these points.
+    pub words: Vec<((f64, f64), String)>,
+    /// Lines with their words.
+    pub legend: Vec<(Ink, String)>,
+    /// Scales each axis to its room, for curves; otherwise both are equal.
+    pub stretched: bool,
+}
+
+impl Sketch {
+    /// Renders the picture as SVG.
+    pub fn svg(&self) -> String {
+        let mut canvas = Canvas::of_size(SKETCH, TEXT);
+        let view = self.view();
+        let path = |points: &[_]| points.iter().map(|&p| view.place(p)).collect::<Vec<_>>();
+        for (corners, ink, opacity) in &self.areas {
+            canvas.fill(&path(corners), look(*ink).0, *opacity);
+        }
+        for stroke in &self.strokes {
+            draw(&mut canvas, stroke.ink, &path(&stroke.path));
+        }
+        for (place, words) in &self.words {
+            canvas.text(words, (MARGIN, view.place(*place).1), Anchor::Left);
+        }
+        let column = (SKETCHED[2] - SKETCHED[0]) / ENTRIES as f64;
+        for (i, (ink, words)) in self.legend.iter().enumerate() {
+            let x = SKETCHED[0] + column * (i % ENTRIES) as f64;
+            let y = FIRST_LINE + NEXT_LINE * (i / ENTRIES) as f64;
+            draw(&mut canvas, *ink, &[(x, y), (x + 36.0, y)]);
+            canvas.text(words, (x + 44.0, y), Anchor::Left);
+        }
+        canvas.finish()
     }
 
-    #[test]
-    fn what_is_absent_is_not_drawn() {
-        let cell =
-            |stress, yields| Cell { corners: [(0.0, 0.0), (1.0, 0.0), (0.0, 1.0)], stress, yields };
-        let whole = Deformed {
-            title: "s".into(),
-            subtitle: "displacements 3 times".into(),
-            quantity: "‖σ^D‖".into(),
-            cells: vec![cell(0.5, true), cell(1.0, false)],
-            rest: vec![[(0.0, 0.0), (1.0, 0.0)]],
-            yield_border: vec![[(1.0, 0.0), (0.0, 1.0)]],
-            arrows: vec![Arrow { foot: (0.5, 0.0), direction: (0.0, 1.0), pressure: 2.0 }],
-        };
-        let svg = |picture: &Deformed| picture.svg();
-        let all = svg(&whole).unwrap();
-        assert!(all.contains("yielding") && all.contains("pressure") && !all.contains("NaN"));
-        let elastic = Deformed {
-            cells: vec![cell(0.0, false)],
-            yield_border: Vec::new(),
-            arrows: Vec::new(),
-            ..whole.clone()
-        };
-        let less = svg(&elastic).unwrap();
-        assert!(!less.contains("yielding") && !less.contains("pressure") && !less.contains("NaN"));
-        assert_eq!(svg(&Deformed { cells: Vec::new(), rest: Vec::new(), ..whole }), None);
+    fn view(&self) -> View {
+        let strokes = self.strokes.iter().flat_map(|stroke| &stroke.path);
+        let areas = self.areas.iter().flat_map(|(corners, ..)| corners);
+        let words = self.words.iter().map(|(place, _)| place);
+        let all = strokes.chain(areas).chain(words).copied();
+        View::of(all, SKETCHED, self.stretched).unwrap_or_default()
+    }
+}
+
+/// Colour, width, and strokes and gaps of what is broken.
+fn look(ink: Ink) -> (Colour, u32, Option<(f64, f64)>) {
+    match ink {
+        Ink::Clamped => (Colour(0, 0, 0), 5, None),
+        Ink::Traction => (colour(0), 4, None),
+        Ink::Contact => (colour(1), 9, None),
+        Ink::Moved => (colour(2), 4, Some((18.0, 11.0))),
+        Ink::Obstacle => (INK, 4, Some((4.0, 7.0))),
+        Ink::Edge => (INK, 3, None),
+        Ink::Region => (Colour(170, 170, 170), 18, None),
+        Ink::Thin => (THIN, 1, None),
+        Ink::Curve(i) => (colour(i), 4, None),
+    }
+}
+
+fn draw(canvas: &mut Canvas, ink: Ink, path: &[CanvasPoint]) {
+    match look(ink) {
+        (colour, _, Some(pattern)) => canvas.dashed(path, colour, pattern),
+        (colour, width, None) => canvas.line(path, colour, width),
+    }
+    if ink == Ink::Clamped {
+        path.windows(2).for_each(|pair| hatches(canvas, pair[0], pair[1]));
+    }
+}
+
+/// Short strokes on one side of a line.
+fn hatches(canvas: &mut Canvas, from: CanvasPoint, to: CanvasPoint) {
+    let length = (to.0 - from.0).hypot(to.1 - from.1);
+    let (along, count) = (((to.0 - from.0) / length, (to.1 - from.1) / length), length / 14.0);
+    (0..count as usize).for_each(|i| {
+        let s = (i as f64 + 0.5) / count.floor() * length;
+        let foot = (from.0 + s * along.0, from.1 + s * along.1);
+        let tip = (foot.0 + 5.0 * along.0 + 9.0 * along.1, foot.1 + 5.0 * along.1 - 9.0 * along.0);
+        canvas.line(&[foot, tip], Colour(0, 0, 0), 2)
+    })
+}
+
+// The contact state along Γ3 over time, exact and discrete.
+
+/// State of Γ3 at a place and time; shades get darker, for prints without colours.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Zone {
+    /// No pressure.
+    Open,
+    /// Pressure by the law, u_ν < g.
+    Compliant,
+    /// u_ν = g.
+    Locked,
+}
+
+/// One panel: the zones along Γ3 at each time level.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Panel {
+    pub title: String,
+    /// t_n, rising.
+    pub times: Vec<f64>,
+    /// At each level pieces of Γ3 between two arc lengths, in order.
+    pub levels: Vec<Vec<(f64, f64, Zone)>>,
+}
+
+/// The picture.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SpaceTime {
+    pub title: String,
+    pub subtitle: String,
+    pub panels: Vec<Panel>,
+}
+
+const LEFT: f64 = 170.0;
+const RIGHT: f64 = 1770.0;
+/// Overlap of neighbouring boxes.
+const SEAM: f64 = 1.0;
+const GUTTER: f64 = 190.0;
+const TOP: f64 = 190.0;
+const BOTTOM: f64 = 910.0;
+const ZONES: f64 = 1070.0;
+/// Widest single panel.
+const WIDEST: f64 = 1000.0;
+
+const COMPLIANT: Colour = Colour(134, 190, 226);
+const LOCKED: Colour = Colour(20, 74, 122);
+
+impl Zone {
+    /// Its colour and its words in the legend.
+    fn shown(self) -> (Colour, &'static str) {
+        match self {
+            Self::Open => (PAPER, "open: no pressure"),
+            Self::Compliant => (COMPLIANT, "compliant: pressure, u_ν < g"),
+            Self::Locked => (LOCKED, "locked: u_ν = g"),
+        }
+    }
+}
+
+impl SpaceTime {
+    /// The picture; none without a level.
+    pub fn svg(&self) -> Option<String> {
+        let pieces = || self.panels.iter().flat_map(|p| &p.levels).flatten();
+        let ends: Vec<f64> = pieces().flat_map(|piece| [piece.0, piece.1]).collect();
+        let times: Vec<f64> = self.panels.iter().flat_map(|p| &p.times).copied().collect();
+        let count = self.panels.len().max(1) as f64;
+        let width = ((RIGHT - LEFT - (count - 1.0) * GUTTER) / count).min(WIDEST);
+        let across = Room { length: width, label: 110.0 };
+        let up = Room { length: BOTTOM - TOP, label: 90.0 };
+        let mut canvas = Canvas::new();
+        canvas.heading(&self.title, std::slice::from_ref(&self.subtitle));
+        for (i, panel) in self.panels.iter().enumerate() {
+            let left = LEFT + i as f64 * (width + GUTTER);
+            let x = Ruler::new(Scale::Linear, &ends, &[], across)?;
+            let y = Ruler::new(Scale::Linear, &times, &[], up)?;
+            let room = [left, TOP, left + width, BOTTOM];
+            draw_panel(&mut canvas, panel, &Frame { x, y, room, unit: 1.0 });
+        }
+        let zones = [Zone::Open, Zone::Compliant, Zone::Locked].map(Zone::shown);
+        canvas.swatches((LEFT, ZONES), zones.map(|(colour, words)| ((colour, false), words)));
+        (!ends.is_empty()).then(|| canvas.finish())
+    }
+}
+
+fn draw_panel(canvas: &mut Canvas, panel: &Panel, frame: &Frame) {
+    let [left, top, right, _] = frame.room;
+    frame.draw(canvas, ["length along Γ3", "time t"]);
+    canvas.text(&panel.title, (0.5 * (left + right), top - 34.0), Anchor::Centre);
+    // The area outside Γ3 and the time is not an open zone.
+    let ends = panel.levels.iter().flatten().map(|piece| piece.1).fold(0.0, f64::max);
+    let (first, last) = span(panel.times.iter().copied());
+    let all = [frame.across(0.0), frame.up(last), frame.across(ends), frame.up(first)];
+    canvas.fill_box(all, PAPER, 1.0);
+    // A level covers the time halfway to its neighbours.
+    let halfway = |a: usize, b: usize| 0.5 * (panel.times[a] + panel.times[b]);
+    let last = panel.times.len().saturating_sub(1);
+    for (n, pieces) in panel.levels.iter().enumerate() {
+        let from = if n == 0 { panel.times[n] } else { halfway(n - 1, n) };
+        let to = if n == last { panel.times[n] } else { halfway(n, n + 1) };
+        for run in pieces.chunk_by(|a, b| a.2 == b.2).filter(|run| run[0].2 != Zone::Open) {
+            // Without the overlap viewers show the seam.
+            let (start, end) = (frame.across(run[0].0), frame.across(run[run.len() - 1].1));
+            let sides = [start, frame.up(to) - SEAM, end, frame.up(from)];
+            canvas.fill_box(sides, run[0].2.shown().0, 1.0);
+        }
+    }
+    canvas.line_box(all, INK, 3);
+}
+
+#[cfg(test)]
+mod tests {
+    mod body {
+        use super::super::*;
+
+        /// Of 953 cells in 1152 the others are hatched.
+        #[test]
+        fn the_fewer_cells_are_hatched() {
+            let cell = |yields| Cell {
+                corners: [(0.0, 0.0), (1.0, 0.0), (0.0, 1.0)],
+                stress: 1.0,
+                yields,
+            };
+            let picture = |yields: &[bool]| Deformed {
+                title: String::new(),
+                subtitle: String::new(),
+                quantity: String::new(),
+                cells: yields.iter().map(|yielding| cell(*yielding)).collect(),
+                rest: Vec::new(),
+                yield_border: Vec::new(),
+                arrows: Vec::new(),
+            };
+            let most = picture(&[true, true, true, false]);
+            assert!(most.hatched().count() == 1 && most.hatched().all(|cell| !cell.yields));
+            let few = picture(&[true, false, false, false]);
+            assert!(few.hatched().count() == 1 && few.hatched().all(|cell| cell.yields));
+            assert!(most.svg().unwrap().contains("elastic; yielding:"));
+            assert!(picture(&[true]).svg().unwrap().contains("all cells yield"));
+        }
+
+        #[test]
+        fn what_is_absent_is_not_drawn() {
+            let cell = |stress, yields| Cell {
+                corners: [(0.0, 0.0), (1.0, 0.0), (0.0, 1.0)],
+                stress,
+                yields,
+            };
+            let whole = Deformed {
+                title: "s".into(),
+                subtitle: "displacements 3 times".into(),
+                quantity: "‖σ^D‖".into(),
+                cells: vec![cell(0.5, true), cell(1.0, false)],
+                rest: vec![[(0.0, 0.0), (1.0, 0.0)]],
+                yield_border: vec![[(1.0, 0.0), (0.0, 1.0)]],
+                arrows: vec![Arrow { foot: (0.5, 0.0), direction: (0.0, 1.0), pressure: 2.0 }],
+            };
+            let svg = |picture: &Deformed| picture.svg();
+            let all = svg(&whole).unwrap();
+            assert!(all.contains("yielding") && all.contains("pressure") && !all.contains("NaN"));
+            let elastic = Deformed {
+                cells: vec![cell(0.0, false)],
+                yield_border: Vec::new(),
+                arrows: Vec::new(),
+                ..whole.clone()
+            };
+            let less = svg(&elastic).unwrap();
+            assert!(
+                !less.contains("yielding") && !less.contains("pressure") && !less.contains("NaN")
+            );
+            assert_eq!(svg(&Deformed { cells: Vec::new(), rest: Vec::new(), ..whole }), None);
+        }
+    }
+    mod sketch {
+        use super::super::*;
+
+        fn square() -> Sketch {
+            let path = vec![(0.0, 0.0), (2.0, 0.0), (2.0, 1.0)];
+            let stroke = |ink| Stroke { ink, path: path.clone() };
+            Sketch {
+                strokes: vec![stroke(Ink::Contact), stroke(Ink::Clamped)],
+                legend: vec![(Ink::Contact, "contact".into()), (Ink::Moved, "u(T) x 2".into())],
+                ..Sketch::default()
+            }
+        }
+
+        #[test]
+        fn lengths_keep_their_ratio_unless_axes_are_stretched() {
+            let (plain, stretched) = (square(), Sketch { stretched: true, ..square() });
+            let extent = |sketch: &Sketch| {
+                let view = sketch.view();
+                let (a, b) = (view.place((0.0, 0.0)), view.place((2.0, 1.0)));
+                ((b.0 - a.0) / (a.1 - b.1), a, b)
+            };
+            assert!((extent(&plain).0 - 2.0).abs() < 1e-12);
+            let (_, a, b) = extent(&stretched);
+            let [left, top, ..] = SKETCHED;
+            assert!((a.0 - left).abs() + (b.1 - top).abs() < 1e-9);
+            // Hatches mark what is clamped, dashes what is moved.
+            let svg = plain.svg();
+            assert!(svg.matches('M').count() > 20 && svg.contains("contact"), "{svg}");
+            assert!(svg.len() < 8000 && !svg.contains("NaN"));
+        }
+    }
+    mod space_time {
+        use super::super::*;
+
+        #[test]
+        fn zones_next_to_each_other_are_one_box() {
+            let panel = |zone| Panel {
+                title: "discrete".into(),
+                times: vec![0.0, 1.0],
+                levels: vec![
+                    vec![(0.0, 0.5, Zone::Open), (0.5, 1.0, Zone::Open)],
+                    vec![(0.0, 0.5, Zone::Locked), (0.5, 1.0, zone)],
+                ],
+            };
+            let picture = |zone| SpaceTime {
+                title: "s".into(),
+                subtitle: String::new(),
+                panels: vec![panel(zone)],
+            };
+            let boxes = |zone| picture(zone).svg().unwrap().matches("<polygon").count();
+            // Four more are the empty panel and those of the legend.
+            assert_eq!([Zone::Locked, Zone::Open, Zone::Compliant].map(boxes), [5, 5, 6]);
+            assert_eq!(SpaceTime { panels: Vec::new(), ..picture(Zone::Open) }.svg(), None);
+        }
     }
 }

@@ -3,11 +3,12 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use quick_junit::{NonSuccessKind, Property, Report, TestCase, TestCaseStatus, TestSuite};
-
-use super::ReportError;
+use crate::ReportError;
+use crate::document::{outcome, verdict_rows};
 use files::{harmless, write_named};
+use judge::record::{CaseRecord, Status};
 use judge::verdict::{Comparison, Decision, Verdict, cell_texts};
+use quick_junit::{NonSuccessKind, Property, Report, TestCase, TestCaseStatus, TestSuite};
 
 /// Writes one suite per scene, one test per verdict. Unresolved is a failure; an expected verdict is a success. A run
 /// compared with its baseline has one more test per scene. Properties of each suite give the origin from `provenance`.
@@ -46,7 +47,7 @@ fn junit_xml(
     let mut report = Report::new("gronwall");
     for (scene, verdicts) in scenes {
         let mut suite = TestSuite::new(scene);
-        suite.add_test_cases(verdicts.into_iter().map(test_case));
+        suite.add_test_cases(verdicts.into_iter().map(verdict_case));
         suite.add_properties(properties(origin));
         report.add_test_suite(suite);
     }
@@ -66,40 +67,116 @@ fn properties(origin: &[(String, String)]) -> impl Iterator<Item = Property> + '
 
 /// One scene against its baseline; all deviations are in the text.
 fn baseline_case(scene: &str, comparison: &Comparison) -> TestCase {
-    let of_scene: Vec<_> = comparison.deviations.iter().filter(|d| d.scene == scene).collect();
-    let status = match of_scene.first() {
-        None => TestCaseStatus::success(),
-        Some(first) => {
-            let lines: Vec<&str> =
-                of_scene.iter().map(|deviation| deviation.reason.as_str()).collect();
-            let mut status = TestCaseStatus::non_success(NonSuccessKind::Failure);
-            status.set_type(first.verdict.name()).set_message(harmless(lines[0]));
-            status.set_description(harmless(&lines.join("\n")));
-            status
-        }
+    let of_scene = || comparison.deviations.iter().filter(|d| d.scene == scene);
+    let reasons: Vec<&str> = of_scene().map(|deviation| deviation.reason.as_str()).collect();
+    let failure = of_scene().next().map(|first| (first.verdict, reasons[0], reasons.join("\n")));
+    test_case(scene, "recorded errors and work", failure)
+}
+
+fn verdict_case(verdict: &Verdict) -> TestCase {
+    let name = format!("{} in {}", verdict.norm, verdict.variable.name());
+    let [_, _, _, predicted, observed, decision, why] = cell_texts(verdict);
+    let kind = match verdict.decision {
+        Decision::Unresolved => Decision::Unresolved,
+        Decision::Fail | Decision::Pass => Decision::Fail,
     };
-    let mut case = TestCase::new("recorded errors and work", status);
+    let said = format!("predicted {predicted} by {why}, observed {observed}: {decision}");
+    let failure = (kind, verdict.reason.as_str(), said);
+    test_case(&verdict.scene, &name, (!verdict.as_expected()).then_some(failure))
+}
+
+/// A test that fails with a kind, a message and a text.
+fn test_case(scene: &str, name: &str, failure: Option<(Decision, &str, String)>) -> TestCase {
+    let status = failure.map_or_else(TestCaseStatus::success, |(kind, message, text)| {
+        let mut status = TestCaseStatus::non_success(NonSuccessKind::Failure);
+        status.set_type(kind.name()).set_message(harmless(message));
+        status.set_description(harmless(&text));
+        status
+    });
+    let mut case = TestCase::new(name, status);
     case.set_classname(scene);
     case
 }
 
-fn test_case(verdict: &Verdict) -> TestCase {
-    let name = format!("{} in {}", verdict.norm, verdict.variable.name());
-    let [_, _, _, predicted, observed, decision, why] = cell_texts(verdict);
-    let status = if verdict.as_expected() {
-        TestCaseStatus::success()
-    } else {
-        let mut status = TestCaseStatus::non_success(NonSuccessKind::Failure);
-        let kind = match verdict.decision {
-            Decision::Unresolved => "unresolved",
-            Decision::Fail | Decision::Pass => "fail",
+// Verdicts as workflow commands of GitHub Actions, and as Markdown for its step summary. Deterministic, without clocks.
+
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct AnnotationPlace {
+    /// Path of the scene file in the repository.
+    pub file: String,
+    /// Line, from 1.
+    pub line: usize,
+}
+
+/// One command a line: an error for every unexpected verdict and failed case, a warning for an expected `fail` or
+/// `unresolved`, a notice with the count. `place` finds the file of a scene, and the line of a verdict's prediction.
+pub fn annotations(
+    records: &[CaseRecord],
+    verdicts: &[Verdict],
+    place: impl Fn(&str, Option<&Verdict>) -> Option<AnnotationPlace>,
+) -> String {
+    let mut lines = Vec::new();
+    for record in records {
+        if let Status::Failed { reason } = &record.status {
+            let key = record.key();
+            let title = format!("{}: {key} failed", key.scene);
+            lines.push(command("error", place(&key.scene, None), &title, reason));
+        }
+    }
+    for verdict in verdicts {
+        let level = match (verdict.as_expected(), verdict.decision) {
+            (true, Decision::Pass) => continue,
+            (true, Decision::Fail | Decision::Unresolved) => "warning",
+            (false, _) => "error",
         };
-        let said = format!("predicted {predicted} by {why}, observed {observed}: {decision}");
-        let reason = harmless(&verdict.reason);
-        status.set_type(kind).set_message(reason).set_description(harmless(&said));
-        status
-    };
-    let mut case = TestCase::new(name, status);
-    case.set_classname(verdict.scene.as_str());
-    case
+        let [scene, norm, variable, predicted, observed, decision, why] = cell_texts(verdict);
+        let title = format!("{scene}: {norm} in {variable}: {decision}");
+        let observed = observed.replace('\n', ", ");
+        let text =
+            format!("predicted {predicted} by {why}, observed {observed}: {}", verdict.reason);
+        lines.push(command(level, place(&scene, Some(verdict)), &title, &text));
+    }
+    lines.push(command("notice", None, "orders of convergence", &outcome(records, verdicts)));
+    lines.join("\n") + "\n"
+}
+
+/// The verdicts as a Markdown table under a heading.
+pub fn step_summary(records: &[CaseRecord], verdicts: &[Verdict]) -> String {
+    format!(
+        "### Orders of convergence\n\n{}\n\n{}\n",
+        outcome(records, verdicts),
+        verdict_rows(verdicts)
+    )
+}
+
+fn command(level: &str, place: Option<AnnotationPlace>, title: &str, text: &str) -> String {
+    let place = place.map_or(String::new(), |place| {
+        format!("file={},line={},", property(&place.file), place.line)
+    });
+    format!("::{level} {place}title={}::{}", property(title), data(text))
+}
+
+/// Escapes text after the second `::`.
+fn data(text: &str) -> String {
+    harmless(text).replace('%', "%25").replace('\n', "%0A")
+}
+
+/// Escapes a value before it, which colons and commas would end.
+fn property(text: &str) -> String {
+    data(text).replace(':', "%3A").replace(',', "%2C")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn nothing_in_a_text_ends_a_command_early() {
+        let place = AnnotationPlace { file: "a,b:c%.toml".into(), line: 7 };
+        let line = command("error", Some(place), "x: y, z\n", "50 %\r\nof :: all, it");
+        assert_eq!(
+            line,
+            "::error file=a%2Cb%3Ac%25.toml,line=7,title=x%3A y%2C z%0A::50 %25\\u{d}%0Aof :: all, it"
+        );
+    }
 }

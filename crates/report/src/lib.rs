@@ -8,54 +8,35 @@ mod body;
 mod canvas;
 mod chart;
 mod convergence;
-mod curve;
-mod direct;
 mod document;
 mod forest;
-mod frame;
-mod github;
-mod group;
 mod junit;
-mod legend;
 mod map;
-mod marks;
 mod palette;
-mod pictures;
 mod ruler;
 mod sheet;
-mod sketch;
-mod slope;
-mod space_time;
-mod split;
 mod symbols;
-mod thumbnail;
-mod ticks;
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-pub use body::{Arrow, Cell as BodyCell, Deformed};
-pub use chart::{Axis, Chart, Datum, Mark, Part, Series};
+pub use body::{Arrow, Cell as BodyCell, Deformed, Ink, Panel, Sketch, SpaceTime, Stroke, Zone};
+pub use chart::{Axis, Chart, Datum, Mark, Part, Series, Slope};
 pub use convergence::convergence_svg;
 #[cfg(feature = "pdf")]
 pub use document::pdf;
 pub use document::{
-    Chapter, Equation, Findings, Row, Run, StudyDocument, Terms, Tone, answers, beside, digits,
-    equations, held, number, precise, sides, text_table, verdict_table,
+    Chapter, Equation, Findings, Group, Row, Run, StudyDocument, Terms, Tone, answers, beside,
+    digits, equations, json_table, number, precise, text_table, verdict_table,
 };
-pub use github::{AnnotationPlace, annotations, step_summary};
-pub use group::Group;
-pub use junit::write_junit;
-pub use map::{Cell, Map, Shade};
+pub use junit::{AnnotationPlace, annotations, step_summary, write_junit};
+pub use map::{Cell, Map, Shade, split_svg};
 pub use ruler::Scale;
-pub use sketch::{Ink, Sketch, Stroke};
-pub use slope::Slope;
-pub use space_time::{Panel, SpaceTime, Zone};
-pub use split::split_svg;
 pub use symbols::escaped;
 
 use document::{
-    DATA, Drawn, Figure, Report, TEMPLATE, data, document, group, markdown, page, tables,
+    DATA, Drawn, Figure, Report, TEMPLATE, by_verify, data, document, markdown, of_cases, page,
+    tables,
 };
 use files::{FileError, ListError, make_directory, write_listed};
 use judge::fit::Direction;
@@ -148,18 +129,20 @@ pub fn write_all(
     baseline: Option<&Comparison>,
 ) -> Result<(), ReportError> {
     make_directory(dir)?;
-    let drawn: Vec<Drawn> = stems(scenes)?
-        .into_iter()
-        .zip(scenes)
-        .map(|(stem, scene)| drawn(scene, stem, records, verdicts))
+    let external = by_verify(provenance);
+    let with_stems = scenes.iter().zip(stems(scenes)?);
+    let drawn: Vec<Drawn<'_>> = with_stems
+        .map(|(scene, stem)| Drawn {
+            group: if external { Group::External } else { scene.group },
+            ..drawn(scene, stem, records, verdicts)
+        })
         .collect();
-    let forest = forest(scenes, verdicts, provenance);
+    let forest = forest(&drawn, verdicts);
     let document = document(Report {
-        scenes,
-        drawn: &drawn,
+        scenes: &drawn,
         forest: forest.as_ref(),
         studies: StudyDocument::read_all(dir)?,
-        of_cases: pictures::of_cases(dir)?,
+        of_cases: of_cases(dir)?,
         records,
         verdicts,
         provenance,
@@ -181,12 +164,11 @@ pub fn write_all(
 }
 
 /// The forest plot of all verdicts in two columns, and in three pieces.
-fn forest(
-    scenes: &[SceneSummary],
-    verdicts: &[Verdict],
-    provenance: &serde_json::Value,
-) -> Option<Figure> {
-    let lines = forest::lines(verdicts, |scene| group(scenes, provenance, scene));
+fn forest(scenes: &[Drawn<'_>], verdicts: &[Verdict]) -> Option<Figure> {
+    let lines = forest::lines(verdicts, |name| {
+        let drawn = scenes.iter().find(|drawn| drawn.scene.name == name);
+        drawn.map_or(Group::default(), |drawn| drawn.group)
+    });
     let svg = forest::svg(&forest::columns(&lines, 2))?;
     let caption = "Observed minus predicted order, with its 95 % interval, of every norm judged in h or k. Grey: the tolerance of a prediction; \
                    right: the order predicted; filled: pass; orange: not as expected.";
@@ -196,12 +178,12 @@ fn forest(
 }
 
 /// The pictures of a scene, as far as there is something to draw.
-fn drawn(
-    scene: &SceneSummary,
+fn drawn<'a>(
+    scene: &'a SceneSummary,
     stem: String,
     records: &[CaseRecord],
     verdicts: &[Verdict],
-) -> Drawn {
+) -> Drawn<'a> {
     let figure = |(suffix, caption, svg): (&str, &str, Option<String>)| {
         let caption = format!("{}: {caption}", scene.name);
         Some(Figure::new(format!("{stem}-{suffix}.svg"), caption, svg?))
@@ -212,14 +194,14 @@ fn drawn(
         ("k", "error against k, on the mesh n named.", along(Direction::Time)),
         ("hk", "error over h and k, and which of them it is of.", split_svg(scene, records)),
     ];
-    let errors = thumbnail::thumbnail_svg(scene, records, verdicts);
+    let errors = convergence::thumbnail_svg(scene, records, verdicts);
     let card = [
         ("scene", "the body with the parts of its boundary", scene.picture.clone()),
         ("errors", "errors judged, with the observed order", errors),
     ];
     let figures = figures.into_iter().filter_map(figure).collect();
     let card = card.into_iter().filter_map(figure).collect();
-    Drawn { stem, figures, card }
+    Drawn { scene, group: scene.group, stem, figures, card }
 }
 
 /// File names of the scenes: letters, digits, dot, dash and underscore.

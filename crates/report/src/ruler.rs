@@ -1,11 +1,10 @@
 //! One axis: positions of values, and ticks.
 
-use super::ticks::{decimal, power, step_label, with_decimals};
-
 /// How an axis is divided.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Scale {
     /// Equal steps of 1, 2 or 5 times a power of ten.
+    #[default]
     Linear,
     /// Logarithmic, ticks at powers of ten, and at 2 and 5 if there is room.
     Log,
@@ -158,52 +157,116 @@ fn logarithmic([lo, hi]: [f64; 2], room: Room) -> ([f64; 2], Vec<Tick>) {
     (ends, ticks)
 }
 
+// Numbers at the ticks of an axis.
+
+/// A step as 1/n if possible.
+pub(super) fn step_label(step: f64) -> String {
+    let inverse = 1.0 / step;
+    // 1/n as computed is off by a rounding; a step of a graded grid by far more.
+    if inverse > 1.5 && inverse < 1e6 && (inverse - inverse.round()).abs() < 1e-9 * inverse {
+        format!("1/{}", inverse.round())
+    } else if (1e-3..1e4).contains(&step) {
+        format!("{}", (step * 1e4).round() / 1e4)
+    } else {
+        format!("{step:.1e}")
+    }
+}
+
+/// digit·10^exponent, as a plain decimal if short.
+pub(super) fn decimal(digit: i64, exponent: i64) -> String {
+    match exponent {
+        -3..0 => format!("{:.*}", -exponent as usize, digit as f64 * 10f64.powi(exponent as i32)),
+        0..4 => format!("{}", digit * 10i64.pow(exponent as u32)),
+        _ if digit == 1 => power(exponent),
+        _ => format!("{digit}·{}", power(exponent)),
+    }
+}
+
+pub(super) fn power(exponent: i64) -> String {
+    format!("10{}", superscript(exponent))
+}
+
+/// A multiple of `step`, with as many decimals as the step has.
+pub(super) fn with_decimals(value: f64, step: f64) -> String {
+    let exponent = (step * (1.0 + 1e-9)).log10().floor() as i32;
+    if (-4..5).contains(&exponent) {
+        // Avoids -0.
+        let value = if value.abs() < 0.5 * step { 0.0 } else { value };
+        format!("{value:.*}", (-exponent).max(0) as usize)
+    } else {
+        format!("{value:.1e}")
+    }
+}
+
+fn superscript(exponent: i64) -> String {
+    let digit = |c: char| "⁰¹²³⁴⁵⁶⁷⁸⁹".chars().nth(c.to_digit(10)? as usize);
+    exponent.to_string().chars().map(|c| digit(c).unwrap_or('⁻')).collect()
+}
+
 #[cfg(test)]
 mod tests {
-    use super::*;
+    mod ruler {
+        use super::super::*;
 
-    const ROOM: Room = Room { length: 800.0, label: 80.0 };
+        const ROOM: Room = Room { length: 800.0, label: 80.0 };
 
-    fn labels(scale: Scale, data: &[f64]) -> Vec<String> {
-        let ruler = Ruler::new(scale, data, &[], ROOM).unwrap();
-        assert!(data.iter().all(|v| (0.0..=1.0).contains(&ruler.share(*v))), "{ruler:?}");
-        let mut ticks = ruler.ticks;
-        assert!(ticks.iter().all(|tick| tick.at.is_finite()), "{ticks:?}");
-        ticks.sort_by(|a, b| a.at.total_cmp(&b.at));
-        ticks.into_iter().filter_map(|tick| tick.label).collect()
+        fn labels(scale: Scale, data: &[f64]) -> Vec<String> {
+            let ruler = Ruler::new(scale, data, &[], ROOM).unwrap();
+            assert!(data.iter().all(|v| (0.0..=1.0).contains(&ruler.share(*v))), "{ruler:?}");
+            let mut ticks = ruler.ticks;
+            assert!(ticks.iter().all(|tick| tick.at.is_finite()), "{ticks:?}");
+            ticks.sort_by(|a, b| a.at.total_cmp(&b.at));
+            ticks.into_iter().filter_map(|tick| tick.label).collect()
+        }
+
+        #[test]
+        fn a_wide_range_has_decades_a_narrow_one_digits() {
+            assert_eq!(labels(Scale::Log, &[3e-6, 2e-2]), ["10⁻⁵", "10⁻⁴", "10⁻³", "10⁻²"]);
+            assert_eq!(labels(Scale::Log, &[0.03, 0.15]), ["0.02", "0.05", "0.1", "0.2"]);
+            assert_eq!(labels(Scale::Log, &[1.0]), ["0.5", "1", "2"]);
+            // Labels stand clear of each other: no more than ten on 800 units.
+            assert!(labels(Scale::Log, &[1e-30, 1.0]).len() <= 10);
+            assert!(labels(Scale::Log, &[f64::MIN_POSITIVE, f64::MAX]).len() >= 2);
+        }
+
+        #[test]
+        fn linear_ticks_are_round() {
+            assert_eq!(labels(Scale::Linear, &[0.0, 1.0]).first().unwrap(), "0.0");
+            assert_eq!(labels(Scale::Linear, &[0.0, 0.71]).last().unwrap(), "0.8");
+            assert_eq!(labels(Scale::Linear, &[-3.0, 12.0]).first().unwrap(), "-4");
+            assert!(labels(Scale::Linear, &[2.0]).len() >= 2);
+            assert!(labels(Scale::Linear, &[0.0]).len() >= 2);
+        }
+
+        #[test]
+        fn steps_are_the_levels_and_thin_out() {
+            assert_eq!(labels(Scale::Steps, &[0.25, 0.125]), ["1/8", "1/4"]);
+            let many: Vec<f64> = (1..100).map(|n| 1.0 / f64::from(n)).collect();
+            assert!(labels(Scale::Steps, &many).len() <= 10);
+        }
+
+        #[test]
+        fn what_has_no_place_makes_no_axis() {
+            assert!(Ruler::new(Scale::Log, &[0.0, -1.0, f64::NAN], &[1.0], ROOM).is_none());
+            assert!(Ruler::new(Scale::Linear, &[f64::INFINITY], &[], ROOM).is_none());
+            let marked = Ruler::new(Scale::Steps, &[0.5], &[2.0, f64::INFINITY], ROOM).unwrap();
+            assert!(marked.share(2.0) < 1.0 && marked.ticks.len() == 1);
+        }
     }
+    mod ticks {
+        use super::super::*;
 
-    #[test]
-    fn a_wide_range_has_decades_a_narrow_one_digits() {
-        assert_eq!(labels(Scale::Log, &[3e-6, 2e-2]), ["10⁻⁵", "10⁻⁴", "10⁻³", "10⁻²"]);
-        assert_eq!(labels(Scale::Log, &[0.03, 0.15]), ["0.02", "0.05", "0.1", "0.2"]);
-        assert_eq!(labels(Scale::Log, &[1.0]), ["0.5", "1", "2"]);
-        // Labels stand clear of each other: no more than ten on 800 units.
-        assert!(labels(Scale::Log, &[1e-30, 1.0]).len() <= 10);
-        assert!(labels(Scale::Log, &[f64::MIN_POSITIVE, f64::MAX]).len() >= 2);
-    }
-
-    #[test]
-    fn linear_ticks_are_round() {
-        assert_eq!(labels(Scale::Linear, &[0.0, 1.0]).first().unwrap(), "0.0");
-        assert_eq!(labels(Scale::Linear, &[0.0, 0.71]).last().unwrap(), "0.8");
-        assert_eq!(labels(Scale::Linear, &[-3.0, 12.0]).first().unwrap(), "-4");
-        assert!(labels(Scale::Linear, &[2.0]).len() >= 2);
-        assert!(labels(Scale::Linear, &[0.0]).len() >= 2);
-    }
-
-    #[test]
-    fn steps_are_the_levels_and_thin_out() {
-        assert_eq!(labels(Scale::Steps, &[0.25, 0.125]), ["1/8", "1/4"]);
-        let many: Vec<f64> = (1..100).map(|n| 1.0 / f64::from(n)).collect();
-        assert!(labels(Scale::Steps, &many).len() <= 10);
-    }
-
-    #[test]
-    fn what_has_no_place_makes_no_axis() {
-        assert!(Ruler::new(Scale::Log, &[0.0, -1.0, f64::NAN], &[1.0], ROOM).is_none());
-        assert!(Ruler::new(Scale::Linear, &[f64::INFINITY], &[], ROOM).is_none());
-        let marked = Ruler::new(Scale::Steps, &[0.5], &[2.0, f64::INFINITY], ROOM).unwrap();
-        assert!(marked.share(2.0) < 1.0 && marked.ticks.len() == 1);
+        #[test]
+        fn numbers_read_as_they_should() {
+            assert_eq!(power(-10), "10⁻¹⁰");
+            assert_eq!(step_label(1.0 / 49.0), "1/49");
+            assert_eq!(step_label(0.3), "0.3");
+            assert_eq!(decimal(2, -3), "0.002");
+            assert_eq!(decimal(5, 3), "5000");
+            assert_eq!(decimal(2, -7), "2·10⁻⁷");
+            assert_eq!(with_decimals(0.30000000000000004, 0.1), "0.3");
+            assert_eq!(with_decimals(-1e-17, 0.02), "0.00");
+            assert_eq!(with_decimals(3e-7, 1e-7), "3.0e-7");
+        }
     }
 }

@@ -173,8 +173,7 @@ pub(super) fn svg(
     let nothing = || CliError::other("nothing to draw: no errors at two sizes");
     let direction = directions.into_iter().find(refined).ok_or_else(nothing)?;
     let x = Axis::new(direction.name(), Scale::Steps);
-    let chart = Chart::new("", "", x, Axis::new("error", Scale::Log));
-    let mut chart = Chart { direct: true, ..chart };
+    let mut chart = Chart::new("", "", x, Axis::new("error", Scale::Log));
     for group in errors {
         let mut points: Vec<Datum> = line(group, direction)
             .iter()

@@ -169,3 +169,10 @@ fn a_linear_axis_has_no_triangle() {
     assert!(chart.arranged().unwrap().1.is_empty());
     assert!(!svg(&chart).contains("triangle"));
 }
+
+#[test]
+fn text_breaks_at_blanks_and_says_if_it_is_cut() {
+    assert_eq!(wrapped("aa bb cc dd", 5, 2), ["aa bb", "cc dd"]);
+    assert_eq!(wrapped("aa bb cc dd", 5, 1), ["aa bb…"]);
+    assert!(wrapped("", 5, 1).is_empty());
+}

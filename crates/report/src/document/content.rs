@@ -1,20 +1,21 @@
 //! The sections of a report, from its records and verdicts.
 
-use super::StudyDocument;
-use super::answers;
-use super::chapter::{chapters, failures};
-use super::scene::{of_scene, sentence};
-use super::verdicts::{VERDICT_HEADS, outcome};
-use super::{Block, Document, Figure, Run, Section, Table, Tone};
+use crate::convergence::norms;
+use crate::document::chapter::{chapters, failures, numbered};
+use crate::document::terminal::{VERDICT_HEADS, outcome};
+use crate::document::{Block, Card, Document, Figure, Run, Section, StudyDocument, Table, Tone};
 use crate::{Group, SceneSummary};
-use files::quoted;
-use judge::record::CaseRecord;
-use judge::verdict::{Decision, Verdict, cell_texts, exit_code};
+use files::{counted, quoted};
+use judge::fit::{Direction, Point};
+use judge::record::{CaseRecord, Status, V_MAX, is_by_state};
+use judge::verdict::{Decision, JudgedPoint, Verdict, cell_texts, exit_code};
 use serde_json::Value;
 
-/// The pictures of a scene.
-#[derive(Default)]
-pub(crate) struct Drawn {
+/// A scene with its pictures.
+pub(crate) struct Drawn<'a> {
+    pub(crate) scene: &'a SceneSummary,
+    /// By its terms, or [`Group::External`].
+    pub(crate) group: Group,
     /// Its file names without endings.
     pub(crate) stem: String,
     pub(crate) figures: Vec<Figure>,
@@ -23,9 +24,7 @@ pub(crate) struct Drawn {
 }
 
 pub(crate) struct Report<'a> {
-    pub(crate) scenes: &'a [SceneSummary],
-    /// One per scene.
-    pub(crate) drawn: &'a [Drawn],
+    pub(crate) scenes: &'a [Drawn<'a>],
     /// The forest plot, whole and in pieces.
     pub(crate) forest: Option<&'a Figure>,
     /// Studies found in the directory.
@@ -46,13 +45,12 @@ pub(crate) fn document(report: Report<'_>) -> Document {
         sections.push(introduction());
     }
     for group in Group::ALL {
-        let in_group = |at: &usize| report.group(&report.scenes[*at].name) == group;
-        let members: Vec<usize> = (0..report.scenes.len()).filter(in_group).collect();
-        if !members.is_empty() {
+        let mut members = report.scenes.iter().filter(|drawn| drawn.group == group).peekable();
+        if members.peek().is_some() {
             let id = format!("group-{group:?}").to_lowercase();
             sections.push(Section::new(2, &id, group.title()));
         }
-        sections.extend(members.into_iter().map(|at| of_scene(&report, at)));
+        sections.extend(members.map(|drawn| of_scene(&report, drawn)));
     }
     sections.extend(chapters(&report));
     if !report.of_cases.is_empty() {
@@ -90,43 +88,17 @@ pub(super) fn tone(verdict: &Verdict) -> Tone {
 }
 
 impl Report<'_> {
-    /// The group of a scene: by its terms, or `External`.
-    pub(crate) fn group(&self, scene: &str) -> Group {
-        group(self.scenes, self.provenance, scene)
-    }
-
-    pub(super) fn stem(&self, scene: &SceneSummary) -> &str {
-        let at = self.scenes.iter().position(|other| other.name == scene.name);
-        at.map_or("", |at| &self.drawn[at].stem)
-    }
-
-    /// Whether another program's solver is judged, not the estimates.
-    pub(super) fn of_a_solver(&self) -> bool {
-        by_verify(self.provenance)
-    }
-
     /// A link to the section of a scene.
     pub(super) fn link(&self, name: &str) -> Option<String> {
-        let scene = self.scenes.iter().find(|scene| scene.name == name)?;
-        Some(format!("#{}", self.stem(scene)))
+        let drawn = self.scenes.iter().find(|drawn| drawn.scene.name == name)?;
+        Some(format!("#{}", drawn.stem))
     }
 }
 
-/// Whether the records are those of another program's solver.
-fn by_verify(provenance: &Value) -> bool {
+/// Whether the records are those of another program's solver, which is judged in place of the estimates.
+pub(crate) fn by_verify(provenance: &Value) -> bool {
     let options = provenance.get("run").and_then(|run| run.get("options")).and_then(Value::as_str);
     options.is_some_and(|options| options.split(' ').next() == Some("verify"))
-}
-
-/// The group of a scene by its name.
-pub(crate) fn group(scenes: &[SceneSummary], provenance: &Value, scene: &str) -> Group {
-    if by_verify(provenance) {
-        return Group::External;
-    }
-    scenes
-        .iter()
-        .find(|summary| summary.name == scene)
-        .map_or(Group::default(), |summary| summary.group)
 }
 
 /// A verdict as a row: scene, norm, variable, prediction, observation, decision and reason; the first and the decision
@@ -147,7 +119,7 @@ fn summary(report: &Report<'_>, outcome: &str, failures: &[(String, String)]) ->
     if report.verdicts.is_empty() {
         return section;
     }
-    answers::write(&mut section, report);
+    first_answers(&mut section, report);
     section.figures(report.forest.map_or(&[], std::slice::from_ref));
     let row = |verdict: &Verdict| verdict_row(verdict, report.link(&verdict.scene));
     let rows = report.verdicts.iter().map(row).collect();
@@ -188,7 +160,7 @@ fn reproduction(report: &Report<'_>) -> Section {
             " the text of every scene. From the directory of this report its pages are made again without solving, and a scene is solved again, by",
         ),
     ]);
-    let scene = report.scenes.first().map_or("SCENE".into(), |scene| quoted(&scene.name));
+    let scene = report.scenes.first().map_or("SCENE".into(), |drawn| quoted(&drawn.scene.name));
     section.blocks.push(Block::Code(format!(
         "sweep report DIR\nsweep run {scene} --out reports/again\nsweep check {scene}"
     )));
@@ -208,4 +180,317 @@ fn reproduction(report: &Report<'_>) -> Section {
     let caption = "Provenance: program, and the fingerprint of each scene's text.";
     section.table(Table::new(caption, &["what", "of", "value"], rows).evidence());
     section
+}
+
+// The first answers: did the estimates, or the solver under test, hold; what is least certain; what was broken on purpose.
+
+/// Claims that readers know by name, spelt as in the reasons of predictions.
+const CLAIMS: [&str; 3] = ["(5.26)", "Theorem 7", "(5.24)"];
+
+fn first_answers(section: &mut Section, report: &Report<'_>) {
+    let verdicts = report.verdicts;
+    section.text(by_claim(verdicts, by_verify(report.provenance)));
+    if let Some(verdict) = least_certain(verdicts) {
+        section.text(closest(verdict, report.link(&verdict.scene)));
+    }
+    broken(section, report);
+}
+
+/// The first two answers, on the estimates, in a line each.
+pub fn answers(verdicts: &[Verdict]) -> Vec<String> {
+    let least = least_certain(verdicts).map(|verdict| closest(verdict, None));
+    let lines = [Some(by_claim(verdicts, false)), least];
+    let text = |runs: Vec<Run>| runs.iter().map(|run| run.text.as_str()).collect();
+    lines.into_iter().flatten().map(text).collect()
+}
+
+fn held(judged: &[&Verdict]) -> (String, Tone) {
+    let met = judged.iter().filter(|verdict| verdict.as_expected()).count();
+    let tone = if met == judged.len() { Tone::Pass } else { Tone::Miss };
+    (format!("{met} of {}", judged.len()), tone)
+}
+
+fn by_claim(verdicts: &[Verdict], of_a_solver: bool) -> Vec<Run> {
+    // Another program's solver is what `sweep verify` judges; the estimates are known to hold on its scene.
+    let question = match of_a_solver {
+        true => "Does the solver have the predicted orders? ",
+        false => "Did the estimates hold? ",
+    };
+    let mut by_claim = vec![Run::of(question, Tone::Strong)];
+    for claim in CLAIMS {
+        let of_claim: Vec<&Verdict> = verdicts.iter().filter(|v| v.why.contains(claim)).collect();
+        if !of_claim.is_empty() {
+            let (words, tone) = held(&of_claim);
+            by_claim.push(Run::plain(format!("{claim}: ")));
+            by_claim.push(Run::of(words, tone));
+            by_claim.push(Run::plain("; "));
+        }
+    }
+    let (all, tone) = held(&verdicts.iter().collect::<Vec<_>>());
+    by_claim.push(Run::plain("all orders: "));
+    by_claim.push(Run::of(all, tone));
+    by_claim.push(Run::plain(" as expected."));
+    by_claim
+}
+
+/// The verdict closest to being another one: the prediction holds with little more than needed for a pass, or misses it
+/// by little. An unresolved one is closest. A scene that fails because it was built to is no warning.
+fn least_certain(verdicts: &[Verdict]) -> Option<&Verdict> {
+    let by_constant = |verdict: &Verdict| verdict.constant.as_ref().is_some_and(|c| c.decides);
+    let certainty = |verdict: &Verdict| match (verdict.decision, verdict.probability) {
+        (Decision::Pass, _) if by_constant(verdict) => 1.0,
+        (Decision::Pass, Some(probability)) => probability,
+        (Decision::Fail, Some(probability)) => 1.0 - probability,
+        // Without a probability cases are missing: that is certain.
+        (Decision::Pass | Decision::Fail, None) => 1.0,
+        (Decision::Unresolved, _) => 0.0,
+    };
+    let meant = |verdict: &&Verdict| verdict.decision == Decision::Pass || !verdict.as_expected();
+    verdicts.iter().filter(meant).min_by(|a, b| certainty(a).total_cmp(&certainty(b)))
+}
+
+/// A verdict with its numbers, linked to its scene.
+fn closest(verdict: &Verdict, link: Option<String>) -> Vec<Run> {
+    let [scene, norm, variable, predicted, observed, decision, _] = cell_texts(verdict);
+    let certain = match verdict.probability {
+        Some(probability) => format!("holds with probability {probability:.2}"),
+        None => "has no probability".into(),
+    };
+    let observed = observed.replace('\n', "; ");
+    vec![
+        Run::of("Which is least certain? ", Tone::Strong),
+        Run { target: link, ..Run::plain(scene) },
+        Run::plain(format!(", {norm} in {variable}: {observed} for {predicted} {certain}, ")),
+        Run::of(decision, tone(verdict)),
+        Run::plain("."),
+    ]
+}
+
+fn broken(section: &mut Section, report: &Report<'_>) {
+    let scenes = report.scenes.iter().map(|drawn| drawn.scene);
+    let scenes: Vec<_> = scenes.filter(|scene| !scene.violates.is_empty()).collect();
+    if scenes.is_empty() {
+        return;
+    }
+    let mut hypotheses: Vec<&str> =
+        scenes.iter().flat_map(|scene| &scene.violates).map(String::as_str).collect();
+    hypotheses.sort_unstable();
+    hypotheses.dedup();
+    let hypotheses: Vec<String> = hypotheses.into_iter().map(super::chapter::numbered).collect();
+    let is_broken = |verdict: &&Verdict| scenes.iter().any(|scene| scene.name == verdict.scene);
+    let broken: Vec<&Verdict> = report.verdicts.iter().filter(is_broken).collect();
+    let (words, tone) = held(&broken);
+    section.text(vec![
+        Run::of("What was broken on purpose? ", Tone::Strong),
+        Run::plain("hypotheses").to("#chapter-broken"),
+        Run::plain(format!(" {} in {}; ", hypotheses.join(", "), counted(scenes.len(), "scene"))),
+        Run::of(words, tone),
+        Run::plain(" orders are those that were derived for it."),
+    ]);
+}
+
+// The section of a scene: a summary, and the evidence of its verdicts.
+
+fn of_scene(report: &Report<'_>, drawn: &Drawn<'_>) -> Section {
+    let scene = drawn.scene;
+    let mut section = Section::new(3, &drawn.stem, &scene.name);
+    let verdicts: Vec<&Verdict> =
+        report.verdicts.iter().filter(|v| v.scene == scene.name).collect();
+    section.card = Some(Card { verdict: glance(&verdicts), pictures: drawn.card.clone() });
+    section.words(&*scene.question);
+    scene.remarks.iter().for_each(|remark| section.words(remark));
+    if !scene.violates.is_empty() {
+        let names: Vec<String> = scene.violates.iter().map(|name| numbered(name)).collect();
+        section.words(format!("Broken on purpose: {}.", names.join(", ")));
+    }
+    if !scene.equations.is_empty() {
+        section.blocks.push(Block::Formulas(scene.equations.clone()));
+    }
+    for verdict in &verdicts {
+        section.text(sentence(verdict));
+    }
+    let rows = verdicts.iter().map(|verdict| verdict_row(verdict, None).split_off(1)).collect();
+    let caption = format!("{}: predicted and observed orders.", scene.name);
+    section.table(Table::new(caption, &VERDICT_HEADS[1..], rows));
+    section.figures(&drawn.figures);
+    for verdict in &verdicts {
+        section.table(points(verdict));
+    }
+    section.table(cases(&scene.name, report.records));
+    let row = |[part, key, value]: &[String; 3]| {
+        vec![Run::plain(part), Run::plain(key), Run::code(value)]
+    };
+    let caption = format!("{}: data, as the scene file gives them.", scene.name);
+    let rows = scene.data.iter().map(row).collect();
+    section.table(Table::new(caption, &["part", "key", "value"], rows).evidence());
+    section
+}
+
+/// A verdict in words, without the name of its scene.
+pub(super) fn sentence(verdict: &Verdict) -> Vec<Run> {
+    let [_, norm, variable, .., decision, _] = cell_texts(verdict);
+    vec![
+        Run::of(format!("{norm} in {variable}: "), Tone::Strong),
+        Run::of(decision, tone(verdict)),
+        Run::plain(format!("; {}.", verdict.reason.trim_end_matches('.'))),
+    ]
+}
+
+/// All verdicts of a scene in one sentence: the first unexpected one, or the first, and the number of others.
+fn glance(verdicts: &[&Verdict]) -> Vec<Run> {
+    let wrong: Vec<_> = verdicts.iter().filter(|verdict| !verdict.as_expected()).collect();
+    let Some(shown) = wrong.first().copied().or(verdicts.first()) else {
+        return vec![Run::plain("Measured, not judged.")];
+    };
+    let [_, norm, variable, predicted, observed, decision, _] = cell_texts(shown);
+    let observed = observed.replace('\n', "; ");
+    let mut runs = vec![
+        Run::of(decision, tone(shown)),
+        Run::plain(format!(": order {observed} for {predicted}, {norm} in {variable}")),
+    ];
+    let more = verdicts.len() - 1;
+    runs.push(match (wrong.len(), more) {
+        (_, 0) => Run::plain("."),
+        (0, more) => Run::plain(format!("; {more} more as expected.")),
+        (wrong, _) => {
+            Run::of(format!("; {wrong} of {} not as expected.", verdicts.len()), Tone::Miss)
+        }
+    });
+    runs
+}
+
+// Evidence of a verdict: its points, and the scene's cases, as tables.
+
+/// Norms in the table of cases that fit a page; cases.csv has all.
+const NORM_COLUMNS: usize = 4;
+
+pub(super) fn scientific(value: f64) -> String {
+    if value.is_finite() { format!("{value:.3e}") } else { "–".into() }
+}
+
+/// A step, as a fraction if possible.
+fn step(value: f64) -> String {
+    if value.is_finite() { crate::ruler::step_label(value) } else { "–".into() }
+}
+
+/// The points of a verdict, coarse to fine, with the orders between used neighbours.
+pub(super) fn points(verdict: &Verdict) -> Table {
+    let mut points: Vec<&JudgedPoint> =
+        verdict.points_used.iter().chain(&verdict.points_left_out).collect();
+    let direction = verdict.variable.direction();
+    let along = |point: &Point| direction.unwrap_or(Direction::Space).step(point);
+    points.sort_by(|a, b| {
+        let (a, b) = (&a.point, &b.point);
+        along(b).total_cmp(&along(a)).then(b.k.total_cmp(&a.k))
+    });
+    let mut before: Option<(f64, f64)> = None;
+    let mut rows = Vec::new();
+    for JudgedPoint { point, place, reason } in points {
+        let at = along(point);
+        let order = match before.filter(|_| reason.is_none() && direction.is_some()) {
+            Some((step, other)) => {
+                format!("{:.3}", (other / point.error).ln() / (step / at).ln())
+            }
+            None => "–".into(),
+        };
+        if reason.is_none() {
+            before = Some((at, point.error));
+        }
+        let use_of =
+            reason.as_ref().map_or_else(|| "served".into(), |why| format!("left out: {why}"));
+        let cells = [
+            place.n.map_or_else(|| "–".to_owned(), |n| n.to_string()),
+            place.steps.to_string(),
+            step(point.h),
+            step(point.k),
+            scientific(point.error),
+            order,
+            if point.floor > 0.0 { scientific(point.floor) } else { "–".into() },
+            use_of,
+        ];
+        rows.push(cells.map(Run::plain).into());
+    }
+    let (norm, variable) = (&verdict.norm, verdict.variable.name());
+    let caption = format!("{}: points of the verdict on {norm} in {variable}.", verdict.scene);
+    let heads = [">n", ">N", ">h", ">k", ">error", ">local order", ">floor", "use"];
+    Table::new(caption, &heads, rows).evidence()
+}
+
+/// All cases of a scene with their sizes and errors.
+pub(super) fn cases(scene: &str, records: &[CaseRecord]) -> Table {
+    let of_scene: Vec<&CaseRecord> = records.iter().filter(|r| r.scene == scene).collect();
+    let mut norms = norms(of_scene.iter().copied());
+    norms.retain(|norm| *norm == V_MAX || !is_by_state(norm));
+    let rest = norms.split_off(norms.len().min(NORM_COLUMNS));
+    let row = |record: &&CaseRecord| {
+        let ended = match &record.status {
+            Status::Converged => Run::plain("converged"),
+            Status::Failed { .. } => Run::of("failed", Tone::Miss),
+            Status::Skipped => Run::plain("skipped"),
+        };
+        let error = |norm: &&str| record.norm(norm).and_then(|entry| entry.error);
+        let cells = norms.iter().map(|norm| error(norm).map_or_else(|| "–".into(), scientific));
+        let sizes = [
+            record.n.map_or_else(|| "–".into(), |n| n.to_string()),
+            record.steps.to_string(),
+            record.dofs.to_string(),
+            record.newton_iterations.to_string(),
+        ];
+        let plain = sizes.into_iter().chain(cells).map(Run::plain);
+        plain.chain([ended]).collect::<Vec<Run>>()
+    };
+    let rows: Vec<Vec<Run>> = of_scene.iter().map(row).collect();
+    let sizes = [">n", ">N", ">unknowns", ">Newton"].map(str::to_owned);
+    let named = norms.iter().map(|norm| format!(">{norm}"));
+    let heads: Vec<String> = sizes.into_iter().chain(named).chain(["status".into()]).collect();
+    let heads: Vec<&str> = heads.iter().map(String::as_str).collect();
+    let more = match rest.is_empty() {
+        true => String::new(),
+        false => format!(" Also in cases.csv: {}.", rest.join(", ")),
+    };
+    let caption = format!(
+        "{scene}: all cases; unknowns of a time level, Newton iterations over all levels, errors in the norms named.{more}"
+    );
+    Table::new(caption, &heads, rows).evidence()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use judge::verdict::{ConstantClaim, Prediction, Variable};
+
+    fn verdict(scene: &str, expect: Decision, decision: Decision, probability: f64) -> Verdict {
+        let prediction = Prediction::new("V_max", Variable::H, 1.0);
+        let open = Verdict::open(scene, &prediction, expect);
+        Verdict { decision, probability: Some(probability), ..open }
+    }
+
+    #[test]
+    fn a_failure_on_purpose_is_not_the_least_certain() {
+        use Decision::{Fail, Pass, Unresolved};
+        let mut verdicts = vec![
+            verdict("built-to-fail", Fail, Fail, 0.0),
+            verdict("clear", Pass, Pass, 0.99),
+            verdict("close", Pass, Pass, 0.80),
+            verdict("defect", Pass, Fail, 0.01),
+        ];
+        let least = |verdicts: &[Verdict]| least_certain(verdicts).map(|v| v.scene.clone());
+        assert_eq!(least(&verdicts).as_deref(), Some("close"));
+        // Its constant shows the order, whatever the slopes say.
+        let claim = |decides| {
+            Some(ConstantClaim {
+                name: "C_k",
+                decision: Pass,
+                reason: String::new(),
+                owed: false,
+                decides,
+            })
+        };
+        verdicts
+            .push(Verdict { constant: claim(true), ..verdict("by-constant", Pass, Pass, 0.06) });
+        assert_eq!(least(&verdicts).as_deref(), Some("close"));
+        verdicts.push(verdict("open", Pass, Unresolved, 0.9));
+        assert_eq!(least(&verdicts).as_deref(), Some("open"));
+        assert_eq!(least(&verdicts[..1]), None);
+    }
 }

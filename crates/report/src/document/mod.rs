@@ -2,43 +2,44 @@
 //!
 //! [`document`] builds it once from the records; page, Markdown, LaTeX and Typst render it.
 
-mod answers;
 mod chapter;
-mod columns;
 mod content;
 mod equation;
-mod evidence;
-mod findings;
 mod html;
-mod latex;
-mod markdown;
-mod number;
+mod markup;
 #[cfg(feature = "pdf")]
 mod pdf;
-mod scene;
 mod study;
 mod terminal;
-mod typst;
-mod verdicts;
 
 use crate::symbols::symbols;
 use serde::{Deserialize, Serialize};
 
-pub use answers::answers;
-pub use columns::{beside, text_table};
-pub(super) use content::{Drawn, Report, document, group};
-pub use equation::{Equation, Terms, equations};
-pub use findings::Findings;
+pub use content::answers;
+pub(super) use content::{Drawn, Report, by_verify, document};
+pub use equation::{Equation, Group, Terms, equations};
+pub use files::digits;
 pub(super) use html::page;
-pub(super) use latex::tables;
-pub(super) use markdown::{markdown, verdict_rows};
-pub use number::{digits, held, number, precise, sides};
+pub(super) use markup::{markdown, tables, verdict_rows};
 #[cfg(feature = "pdf")]
 pub use pdf::pdf;
-pub use study::{Chapter, Row, StudyDocument};
-pub(super) use typst::{DATA, TEMPLATE, data};
-pub(super) use verdicts::outcome;
-pub use verdicts::verdict_table;
+pub(super) use study::of_cases;
+pub use study::{Chapter, Findings, Row, StudyDocument, json_table, number, precise};
+pub(super) use terminal::outcome;
+pub use terminal::{beside, text_table, verdict_table};
+
+/// The content for Typst, as JSON, so that no word of a scene is read as markup.
+pub(crate) const DATA: &str = "report.json";
+
+/// Reads [`DATA`]: `typst compile report.typ` in the directory of a report also gives the PDF.
+pub(crate) const TEMPLATE: &str = include_str!("report.typ");
+
+/// The content, without a date.
+pub(crate) fn data(document: &Document) -> String {
+    let mut value = serde_json::json!(document);
+    value["date"] = serde_json::Value::Null;
+    value.to_string() + "\n"
+}
 
 /// A report.
 #[derive(Debug, Clone, PartialEq, Serialize)]

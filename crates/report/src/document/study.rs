@@ -1,15 +1,14 @@
 //! The document of a study: text of its command, a file beside its numbers, and a section of a report.
 
+use std::fs;
 use std::path::Path;
 
-use serde::{Deserialize, Serialize};
-use serde_json::Value;
-
-use super::number::{precise, text};
-use super::{Block, Figure, Run, Table, Tone, terminal};
 use crate::ReportError;
-use crate::pictures::names;
-use files::{read_text, replace_file};
+use crate::document::{Block, Figure, Run, Table, Tone, terminal};
+use files::{FileError, counted, digits, read_text, replace_file};
+use judge::claim::{Claim, Relation, Standing};
+use serde::{Deserialize, Serialize};
+use serde_json::{Map, Value, json};
 
 /// The chapter of a study; they stand in this order in a report.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
@@ -143,36 +142,18 @@ impl StudyDocument {
             row.map(|(_, cell)| cell).into()
         };
         let rows: Vec<Vec<Run>> = rows.into_iter().map(row).collect();
-        self.set(caption, &heads, rows);
+        self.push(Table::new(caption, &heads, rows));
     }
 
-    /// A table of rows of JSON. A column is its head, the place of its value in a row, and its digits if they are not five:
-    /// `head = a/b 3; …`.
+    /// A table of rows of JSON, see [`json_table`].
     pub fn rows(&mut self, caption: impl Into<String>, rows: &Value, columns: &str) {
-        let column = |column: &'_ str| -> (String, String, usize) {
-            let (head, place) = column.split_once(" = ").unwrap_or((column, ""));
-            let (place, digits) = place.trim().split_once(' ').unwrap_or((place.trim(), "5"));
-            (head.trim().into(), format!("/{place}"), digits.parse().unwrap_or(5))
-        };
-        let columns: Vec<_> = columns.split(';').map(column).collect();
-        let heads: Vec<&str> = columns.iter().map(|(head, ..)| &**head).collect();
-        let cell = |value: Option<&Value>, digits| match value {
-            Some(value @ (Value::String(_) | Value::Bool(_))) => Run::plain(text(value)),
-            Some(value) if value.is_u64() => Run::plain(text(value)),
-            value => precise(value.and_then(Value::as_f64), digits),
-        };
-        let row = |row: &Value| -> Vec<Run> {
-            columns.iter().map(|(_, place, digits)| cell(row.pointer(place), *digits)).collect()
-        };
-        let rows = rows.as_array().into_iter().flatten().map(row).collect();
-        self.set(caption, &heads, rows);
+        self.push(Table::of_json(caption, rows, columns));
     }
 
-    fn set(&mut self, caption: impl Into<String>, heads: &[&str], rows: Vec<Vec<Run>>) {
-        if !rows.is_empty() {
-            let evidence = rows.len() > MOST_ROWS;
-            let table = Table { evidence, ..Table::new(caption, heads, rows) };
-            self.blocks.push(Block::Table(table));
+    fn push(&mut self, table: Table) {
+        if !table.rows.is_empty() {
+            let evidence = table.rows.len() > MOST_ROWS;
+            self.blocks.push(Block::Table(Table { evidence, ..table }));
         }
     }
 
@@ -257,6 +238,37 @@ impl StudyDocument {
     }
 }
 
+/// Rows of JSON as a table of characters. A column is its head, the place of its value in a row, and its digits if they are
+/// not five, or MB for a number of bytes: `head = a/b 3; …`.
+pub fn json_table(rows: &Value, columns: &str, width: u16) -> String {
+    terminal::table(&Table::of_json("", rows, columns), width)
+}
+
+impl Table {
+    fn of_json(caption: impl Into<String>, rows: &Value, columns: &str) -> Self {
+        let column = |column: &'_ str| -> (String, String, String) {
+            let (head, place) = column.split_once(" = ").unwrap_or((column, ""));
+            let (place, form) = place.trim().split_once(' ').unwrap_or((place.trim(), ""));
+            (head.trim().into(), format!("/{place}"), form.into())
+        };
+        let columns: Vec<_> = columns.split(';').map(column).collect();
+        let heads: Vec<&str> = columns.iter().map(|(head, ..)| &**head).collect();
+        let cell = |value: Option<&Value>, form: &str| match value {
+            Some(value @ (Value::String(_) | Value::Bool(_))) => Run::plain(text(value)),
+            Some(value) if value.is_u64() && form != "MB" => Run::plain(text(value)),
+            value => match (value.and_then(Value::as_f64), form) {
+                (Some(bytes), "MB") => Run::plain(format!("{:.0} MB", bytes / 1e6)),
+                (value, digits) => precise(value, digits.parse().unwrap_or(5)),
+            },
+        };
+        let row = |row: &Value| -> Vec<Run> {
+            columns.iter().map(|(_, place, form)| cell(row.pointer(place), form)).collect()
+        };
+        let rows = rows.as_array().into_iter().flatten().map(row).collect();
+        Self::new(caption, &heads, rows)
+    }
+}
+
 impl Figure {
     /// Reads the picture beside its document; false if it is missing or not a picture.
     fn read(&mut self, dir: &Path) -> bool {
@@ -271,4 +283,235 @@ impl Figure {
 /// The parser's message without " at line … column …", which precedes it.
 fn without_place(message: &str) -> String {
     message.rsplit_once(" at line ").map_or(message, |(what, _)| what).to_owned()
+}
+
+// Pictures of single cases that `sweep solve --pictures` left in the directory of a report.
+
+/// Endings of file names, and what the files show.
+const ENDINGS: [(&str, &str); 2] = [
+    ("-contact.svg", "contact state of Γ3 over time, exact and discrete"),
+    ("-body.svg", "deformed body at the last time level"),
+];
+
+/// The names of the files in a directory, sorted.
+fn names(dir: &Path) -> Result<Vec<String>, ReportError> {
+    let mut names: Vec<String> = Vec::new();
+    for entry in fs::read_dir(dir).map_err(FileError::at(dir))? {
+        let name = entry.map_err(FileError::at(dir))?.file_name();
+        names.extend(name.into_string().ok());
+    }
+    names.sort();
+    Ok(names)
+}
+
+/// The pictures in a directory, by kind, then by file name.
+pub(crate) fn of_cases(dir: &Path) -> Result<Vec<Figure>, ReportError> {
+    let names = names(dir)?;
+    let mut found = Vec::new();
+    for (ending, shows) in ENDINGS {
+        for name in &names {
+            let Some(case) = name.strip_suffix(ending) else { continue };
+            let svg = read_text(&dir.join(name))?;
+            // Foreign files with such a name are ignored.
+            if svg.trim_start().starts_with("<svg") {
+                let case = if case.is_empty() { String::new() } else { format!("{case}: ") };
+                let caption = format!("{case}{shows} (sweep solve --pictures).");
+                found.push(Figure::new(name, caption, svg));
+            }
+        }
+    }
+    Ok(found)
+}
+
+// What a study found, in the same form for all: claims, its own numbers, and what it says in words and pictures.
+
+/// A study that has run.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Findings {
+    pub claims: Vec<Claim>,
+    /// Keys of its JSON beside those of every study: scene, fingerprint, holds, claims.
+    pub numbers: Map<String, Value>,
+    /// Rows of further tables: the end of the file's name, and the keys in order.
+    pub tables: Vec<(&'static str, &'static str, Value)>,
+    pub document: StudyDocument,
+}
+
+impl Findings {
+    /// The findings of a scene, by its name and fingerprint, or of none: the document begins with what the claims say.
+    pub fn new(
+        (chapter, title): (Chapter, String),
+        scene: Option<[&str; 2]>,
+        claims: Vec<Claim>,
+    ) -> Self {
+        let mut document = StudyDocument::new(chapter, title);
+        if let Some([name, fingerprint]) = scene {
+            document = document.of_scene(name, fingerprint);
+        }
+        document.claims(&claims);
+        Self { claims, numbers: Map::new(), tables: Vec::new(), document }
+    }
+
+    /// A key of its JSON. What cannot be written is null.
+    pub fn number(&mut self, key: &str, value: impl serde::Serialize) {
+        self.numbers.insert(key.into(), json!(value));
+    }
+
+    /// The keys of an object.
+    pub fn numbers(&mut self, object: Value) {
+        if let Value::Object(keys) = object {
+            self.numbers.extend(keys);
+        }
+    }
+
+    /// Rows under a key of its JSON and as a table, see [`StudyDocument::rows`].
+    pub fn table(
+        &mut self,
+        key: &str,
+        rows: impl serde::Serialize,
+        caption: impl Into<String>,
+        columns: &str,
+    ) {
+        let rows = json!(rows);
+        self.document.rows(caption, &rows, columns);
+        self.number(key, rows);
+    }
+
+    /// Whether every claim holds, and there is one.
+    pub fn holds(&self) -> bool {
+        self.document.holds
+    }
+
+    pub fn json(&self) -> Value {
+        let mut all = json!({ "holds": self.holds(), "claims": self.claims });
+        // Ladders have a name and no text.
+        if let Some(fingerprint) = &self.document.fingerprint {
+            (all["scene"], all["fingerprint"]) = (json!(self.document.scene), json!(fingerprint));
+        }
+        for (key, value) in &self.numbers {
+            all[key] = value.clone();
+        }
+        all
+    }
+
+    /// Writes STEM.json, STEM-claims.csv, further tables, the document and its pictures into a directory.
+    ///
+    /// # Errors
+    /// A file that cannot be written.
+    pub fn write(&self, dir: &Path) -> Result<(), ReportError> {
+        let stem = self.document.stem();
+        let put = |name: String, bytes: &[u8]| replace_file(&dir.join(name), bytes);
+        put(format!("{stem}.json"), format!("{:#}\n", self.json()).as_bytes())?;
+        put(format!("{stem}-claims.csv"), &Claim::csv(&self.claims)?)?;
+        for (end, keys, rows) in &self.tables {
+            put(format!("{stem}{end}"), &csv(keys, rows)?)?;
+        }
+        self.document.write(dir)
+    }
+}
+
+/// Rows of JSON as CSV, below these of their keys.
+fn csv(keys: &str, rows: &Value) -> Result<Vec<u8>, csv::Error> {
+    let mut writer = csv::Writer::from_writer(Vec::new());
+    writer.write_record(keys.split(','))?;
+    for row in rows.as_array().into_iter().flatten() {
+        writer.write_record(keys.split(',').map(|key| text(&row[key])))?;
+    }
+    writer.into_inner().map_err(|error| error.into_error().into())
+}
+
+impl StudyDocument {
+    /// What claims say: whether all hold, else what does not, and a table of each statement where it is tightest, or of every
+    /// claim if they have one statement.
+    fn claims(&mut self, claims: &[Claim]) {
+        let failures = claims.iter().filter_map(Claim::reason).collect();
+        let statements = Claim::worst(claims);
+        let all = format!("{}, and every one holds.", counted(claims.len(), "claim"));
+        self.verdict(Claim::all_hold(claims), &all, failures);
+        if statements.len() == 1 {
+            let rows = claims.iter().map(|claim| row(claim, 1));
+            self.table("The claims: both sides, what rounding allows, and left/right.", rows);
+        } else {
+            let mut rows: Vec<_> = statements.into_iter().collect();
+            rows.sort_by(|(a, _), (b, _)| match a.is_worse_than(b) {
+                true => std::cmp::Ordering::Less,
+                false if b.is_worse_than(a) => std::cmp::Ordering::Greater,
+                false => std::cmp::Ordering::Equal,
+            });
+            let rows = rows.into_iter().map(|(claim, count)| row(claim, count));
+            self.table(
+                "The claims, the tightest first: each where it is tightest of so many places, both sides there, what rounding allows, \
+                 and the tightness, left/right.",
+                rows,
+            );
+        }
+    }
+}
+
+fn row(claim: &Claim, count: usize) -> Row<'_, 9> {
+    let finite = |value: f64| Some(value).filter(|value| value.is_finite());
+    let [relation, right] = match claim.relation {
+        Relation::AtMost(right) => [Run::plain("≤"), number(finite(right))],
+        Relation::Within([low, high]) => {
+            [Run::plain("in"), Run::plain(format!("[{low:.3}, {high:.3}]"))]
+        }
+        Relation::Order(order, _) => [Run::plain("for"), number(finite(order))],
+        Relation::Refused(_) => [Run::plain("refused"), Run::plain("–")],
+    };
+    let is = match claim.standing() {
+        Standing::Passes => Run::of("holds", Tone::Pass),
+        Standing::Unresolved => Run::of("unresolved", Tone::Miss),
+        Standing::Fails => Run::of("does not hold", Tone::Miss),
+    };
+    let place = match count {
+        1 => claim.place.to_string(),
+        _ => format!("{}, of {count}", claim.place),
+    };
+    [
+        ("claim", Run::plain(claim.statement.source)),
+        ("says", Run::formula(&signs(claim.statement.says))),
+        ("at", Run::plain(place)),
+        (">left", number(finite(claim.left))),
+        ("", relation),
+        (">right", right),
+        (
+            ">accuracy",
+            Run::plain(if claim.accuracy == 0.0 {
+                "–".into()
+            } else {
+                format!("{:.1e}", claim.accuracy)
+            }),
+        ),
+        (">tightness", precise(claim.tightness().and_then(finite), 3)),
+        ("", is),
+    ]
+}
+
+/// The signs of sums and integrals; the rest is letters.
+fn signs(says: &str) -> String {
+    [("sum_j", "Σ_j"), ("Au", "A u")]
+        .iter()
+        .fold(says.to_owned(), |text, (from, to)| text.replace(from, to))
+}
+
+// Numbers in sentences and cells.
+
+/// A cell with a number of five digits.
+pub fn number(value: impl Into<Option<f64>>) -> Run {
+    precise(value, 5)
+}
+
+/// A cell with a number of at most so many digits.
+pub fn precise(value: impl Into<Option<f64>>, significant: usize) -> Run {
+    Run::plain(value.into().map_or_else(|| "–".to_owned(), |value| digits(value, significant)))
+}
+
+/// A cell of JSON; that of nothing is empty.
+pub(super) fn text(value: &Value) -> String {
+    match value {
+        Value::String(text) => text.clone(),
+        Value::Null => String::new(),
+        Value::Bool(true) => "yes".into(),
+        Value::Bool(false) => "no".into(),
+        number => number.to_string(),
+    }
 }

@@ -3,32 +3,132 @@
 //! They are written from the data of scenes, the verdicts, and the studies that other commands wrote into the
 //! directory; for a missing study only its command is named.
 
-mod broken;
-mod opening;
-mod step_size;
+use crate::StepLimits;
+use crate::document::content::{Drawn, Report, tone};
+use crate::document::{
+    Block, Chapter, Equation, Run, Section, StudyDocument, Table, Tone, number, precise,
+};
+use judge::verdict::cell_texts;
+
 #[cfg(test)]
 mod tests;
 
-pub(super) use broken::numbered;
+/// How a chapter of studies begins: what is measured, with the inequalities of the paper.
+struct Opening {
+    chapter: Chapter,
+    id: &'static str,
+    title: &'static str,
+    words: &'static str,
+    /// As plain text, for Typst, and their numbers.
+    formulas: &'static [[&'static str; 3]],
+    more: &'static str,
+}
 
-use super::content::Report;
-use super::{Chapter, Run, Section, StudyDocument, Tone};
+/// In the order of a report; the scenes that break a hypothesis stand before [`Chapter::Trade`].
+const OPENINGS: [Opening; 5] = [
+    Opening {
+        chapter: Chapter::Bound,
+        id: "chapter-step-size",
+        title: "Step size: the bound (3.4)",
+        words: "A step of the scheme has one solution, and the map Λ, which freezes the last slot of the history and solves, contracts, \
+         if k is below the bound (3.4). The bound is sufficient only. Four numbers say how far:",
+        formulas: &[
+            ["m0 = m_A − α_φ − α_j c_j² > 0", "m_0 = m_A - alpha_phi - alpha_j c_j^2 > 0", "(2.9)"],
+            ["k β_φ ‖R‖ ‖q‖ < m0", "k beta_phi norm(R) thin norm(q) < m_0", "(3.4)"],
+            [
+                "‖Λη − Λη′‖ ≤ (k β_φ ‖R‖ ‖q‖ / m0) ‖η − η′‖",
+                "norm(Lambda eta - Lambda eta') <= (k beta_phi norm(R) thin norm(q))/m_0 norm(eta - eta')",
+                "(3.15)",
+            ],
+        ],
+        more: "1, the bound (3.4), with the norm that the paper takes of ℬ and with the operator norm; 2, sharpened: the last slot has the weight k/2, \
+         and each part of the history its own factor; 3, the k at which Λ stops contracting, as measured; 4, the k below which each \
+         step is a strongly monotone problem (solvable), and the k at which its solution ends, as followed. 1, 2 and 4 follow from the data of a scene.",
+    },
+    Opening {
+        chapter: Chapter::Gronwall,
+        id: "chapter-gronwall",
+        title: "Gronwall's inequality (3.24)",
+        words: "The last step of the proof of Theorem 7: e_n is the error in time at t_n, g_n the truncation error of the history, and each envelope \
+         bounds e_n. Effectivity is bound over measured error: 1 is attained, 10 says that the bound is ten times too large.",
+        formulas: &[
+            [
+                "e_n ≤ C₁ g_n + C₂ Σ′_{j≤n} w_{nj} e_j,   C₁ = β_φ/m0,   C₂ = β_φ ‖R‖ ‖q‖/m0",
+                "e_n <= C_1 g_n + C_2 limits(sum')_(j<=n) w_(n j) e_j, quad C_1 = beta_phi/m_0, quad C_2 = (beta_phi norm(R) thin norm(q))/m_0",
+                "(3.21)",
+            ],
+            [
+                "e_n ≤ C₁ max g / (1 − C₂k) · exp(C₂ n k/(1 − C₂k))",
+                "e_n <= (C_1 max g)/(1 - C_2 k) exp((C_2 n k)/(1 - C_2 k))",
+                "(3.24)",
+            ],
+        ],
+        more: "Weighted: each part of the history with its own factor at its own age. Primed: the sum above solved with equality; closed: its closed form. \
+         Printed: the sum with full weights, as printed, and (3.24), its closed form; both need C₂k < 1.",
+    },
+    Opening {
+        chapter: Chapter::Audit,
+        id: "chapter-audit",
+        title: "The inequalities of Theorems 10 and 11",
+        words: "Both sides of the inequalities of the proof of the error estimate, computed at every level of real runs. One holds if it does at all levels \
+         of all runs, up to the accuracy of its two sides.",
+        formulas: &[[
+            "max_n ‖u_n − u_n^{kh}‖ ≤ C k² + C max_n inf_{v∈K^h} (‖u_n − v‖ + ‖γ_j(u_n − v)‖^{1/2} + |E_n(v, u_n)|^{1/2})",
+            "max_n norm(u_n - u_n^(k h)) <= C k^2 + C max_n inf_(v in K^h) (norm(u_n - v) + norm(gamma_j (u_n - v))^(1\\/2) + abs(E_n (v, u_n))^(1\\/2))",
+            "(4.4)",
+        ]],
+        more: "",
+    },
+    Opening {
+        chapter: Chapter::Trade,
+        id: "chapter-trade",
+        title: "Speed against accuracy",
+        words: "What the mesh, the step and every other setting of a scene cost and buy. Times are CPU seconds of one thread on the machine of the study, \
+         from nothing, in single runs; errors are the same everywhere.",
+        formulas: &[],
+        more: "",
+    },
+    Opening {
+        chapter: Chapter::Extremes,
+        id: "chapter-extremes",
+        title: "Extremes",
+        words: "Each ladder takes one parameter from the ordinary to where floating point or the theory ends, in steps called rungs. Every rung states \
+         beforehand what it must show: a bound of its error, derived from rounding and condition, or that it is refused.",
+        formulas: &[],
+        more: "",
+    },
+];
+
+impl Opening {
+    fn section(&self) -> Section {
+        let mut section = Section::opening(self.id, self.title, self.words);
+        if !self.formulas.is_empty() {
+            let formula =
+                |[plain, typst, number]: &[&str; 3]| Equation::new(*plain, *typst, number);
+            section.blocks.push(Block::Formulas(self.formulas.iter().map(formula).collect()));
+        }
+        if !self.more.is_empty() {
+            section.words(self.more);
+        }
+        section
+    }
+}
 
 /// The chapters that have something to show, and a last section that names the commands of the others.
 pub(super) fn chapters(report: &Report<'_>) -> Vec<Section> {
-    let mut all = Vec::new();
-    let broken = broken::chapter(report);
-    for chapter in Chapter::ALL {
-        if chapter == Chapter::Trade {
+    let (mut all, broken) = (Vec::new(), broken(report));
+    for opening in &OPENINGS {
+        if opening.chapter == Chapter::Trade {
             all.extend(broken.clone());
         }
-        let studies = studies(report, chapter);
-        // The bounds of the scenes are known without a study.
-        let bounds = (chapter == Chapter::Bound).then(|| step_size::section(report));
-        if bounds.is_some() || !studies.is_empty() {
-            all.extend(opening::of(chapter));
+        let studies = studies(report, opening.chapter);
+        // Every scene has its bounds.
+        if opening.chapter == Chapter::Bound {
+            all.extend([opening.section(), step_sizes(report)]);
+        } else if !studies.is_empty() {
+            all.push(opening.section());
         }
-        all.extend(bounds.into_iter().chain(studies));
+        all.extend(studies);
     }
     all.extend(absent(report, broken.is_none()));
     all
@@ -36,16 +136,12 @@ pub(super) fn chapters(report: &Report<'_>) -> Vec<Section> {
 
 /// Failures found by the studies: a sentence each, with its section.
 pub(super) fn failures(studies: &[StudyDocument]) -> Vec<(String, String)> {
-    let wrong = studies.iter().filter(|study| !study.holds);
-    wrong.map(|study| (failure(study), format!("#{}", id(study)))).collect()
-}
-
-fn failure(study: &StudyDocument) -> String {
-    let what = study.chapter.subject();
-    match &study.scene {
-        Some(scene) => format!("{what}, {scene}: not everything holds"),
-        None => format!("{what}: not everything holds"),
-    }
+    let failure = |study: &StudyDocument| {
+        let (what, scene) = (study.chapter.subject(), study.scene.as_ref());
+        let of = scene.map_or(String::new(), |scene| format!(", {scene}"));
+        (format!("{what}{of}: not everything holds"), format!("#{}", id(study)))
+    };
+    studies.iter().filter(|study| !study.holds).map(failure).collect()
 }
 
 fn id(study: &StudyDocument) -> String {
@@ -71,9 +167,9 @@ fn studies(report: &Report<'_>, chapter: Chapter) -> Vec<Section> {
 
 /// The commands of what is not in the directory of this report; None if nothing is missing.
 fn absent(report: &Report<'_>, none_broken: bool) -> Option<Section> {
-    let lacks = |kind: &Chapter| report.studies.iter().all(|study| study.chapter != *kind);
-    let kinds = Chapter::ALL.into_iter().filter(|kind| opening::of(*kind).is_some());
-    let mut commands: Vec<&str> = kinds.filter(lacks).map(Chapter::command).collect();
+    let kinds = OPENINGS.iter().map(|opening| opening.chapter);
+    let missing = kinds.filter(|kind| report.studies.iter().all(|s| s.chapter != *kind));
+    let mut commands: Vec<&str> = missing.map(Chapter::command).collect();
     commands.extend(none_broken.then_some("run broken-kernel broken-trace"));
     if commands.is_empty() {
         return None;
@@ -97,5 +193,126 @@ fn of_this_text(section: &mut Section, study: &StudyDocument, report: &Report<'_
     if known.is_some_and(|hash| study.fingerprint.as_deref() != Some(hash)) {
         let words = "This study was made from a different text of the scene than the records.";
         section.text(vec![Run::of(words, Tone::Miss)]);
+    }
+}
+
+// The bound (3.4) of every scene, in numbers that follow from its data.
+
+/// Hypotheses necessary for a bound: (2.9) and κ Lipschitz, by their names in scene files.
+const NEEDED: [&str; 2] = ["2.9", "5.1"];
+
+fn step_sizes(report: &Report<'_>) -> Section {
+    let mut section = Section::new(2, "chapter-step-sizes", "Bounds of all scenes");
+    let rows = report.scenes.iter().map(|drawn| row(drawn, report)).collect();
+    let bounds =
+        [">m0", ">(3.4), paper's norm", ">(3.4)", ">sharpened", ">Λ measured", ">solvable"];
+    let heads = [&["scene"][..], &bounds, &[">largest k", "which is"]].concat();
+    section.table(Table::new(
+        "Step sizes: bounds on k, and the largest k of the records.",
+        &heads,
+        rows,
+    ));
+    section
+}
+
+fn row(Drawn { scene, stem, .. }: &Drawn<'_>, report: &Report<'_>) -> Vec<Run> {
+    let of_scene = report.records.iter().filter(|record| record.scene == scene.name);
+    let largest = of_scene.map(|record| record.k).reduce(f64::max);
+    let study = |study: &&StudyDocument| {
+        study.chapter == Chapter::Bound && study.scene.as_ref() == Some(&scene.name)
+    };
+    let measured = report.studies.iter().find(study).and_then(|study| {
+        Some(Run::plain(study.threshold.as_ref()?).to(format!("#{}", id(study))))
+    });
+    let measured = measured.unwrap_or_else(|| Run::plain("–"));
+    let broken = scene.violates.iter().find(|name| NEEDED.contains(&name.as_str()));
+    let limit = |of: fn(&StepLimits) -> f64| match (&scene.step, broken) {
+        (Some(limits), None) if of(limits).is_infinite() => Run::plain("every k"),
+        (Some(limits), None) => precise(of(limits), 5),
+        _ => Run::plain("–"),
+    };
+    let standing = match (&scene.step, broken) {
+        (None, _) => Run::plain("not computed"),
+        (_, Some(name)) => Run::plain(format!("without a bound: ({name}) is broken")),
+        (Some(limits), None) => standing(limits, largest),
+    };
+    vec![
+        Run::plain(&*scene.name).to(format!("#{stem}")),
+        number(scene.step.map(|limits| limits.m0)),
+        limit(|limits| limits.paper),
+        limit(|limits| limits.theorem),
+        limit(|limits| limits.sharpened),
+        measured,
+        limit(|limits| limits.solvable),
+        number(largest),
+        standing,
+    ]
+}
+
+/// Position of the largest step of the records.
+fn standing(limits: &StepLimits, largest: Option<f64>) -> Run {
+    match largest {
+        None => Run::plain("–"),
+        Some(k) if k < limits.theorem => Run::plain("within (3.4)"),
+        Some(k) if k < limits.solvable => Run::plain("beyond (3.4), one solution"),
+        // Includes NaN limits.
+        Some(_) => Run::of("not guaranteed", Tone::Strong),
+    }
+}
+
+// Broken hypotheses: the scenes that break one on purpose, and the remaining order.
+
+/// None without such a scene.
+fn broken(report: &Report<'_>) -> Option<Section> {
+    let breaks = |drawn: &&Drawn<'_>| !drawn.scene.violates.is_empty();
+    let broken: Vec<_> = report.scenes.iter().filter(breaks).collect();
+    if broken.is_empty() {
+        return None;
+    }
+    let mut section = Section::opening(
+        "chapter-broken",
+        "Broken hypotheses",
+        "A hypothesis is needed if the order is lost without it. These scenes break one on purpose; what is then left was derived beforehand, \
+         and is judged like any other prediction.",
+    );
+    let mut rows = Vec::new();
+    for Drawn { scene, stem, .. } in broken {
+        let target = format!("#{stem}");
+        let first = [
+            Run::plain(
+                scene.violates.iter().map(|name| numbered(name)).collect::<Vec<_>>().join(", "),
+            ),
+            Run::plain(&*scene.name).to(target),
+        ];
+        let of_scene = report.verdicts.iter().filter(|verdict| verdict.scene == scene.name);
+        let judged: Vec<Vec<Run>> = of_scene
+            .map(|verdict| {
+                let [_, norm, variable, predicted, observed, decision, _] = cell_texts(verdict);
+                let cells = [format!("{norm} in {variable}"), predicted, observed].map(Run::plain);
+                let decision = Run::of(decision, tone(verdict));
+                first.iter().cloned().chain(cells).chain([decision]).collect()
+            })
+            .collect();
+        match judged.is_empty() {
+            false => rows.extend(judged),
+            true => {
+                let cells = ["–", "–", "–", "not judged"].map(Run::plain);
+                rows.push(first.into_iter().chain(cells).collect());
+            }
+        }
+    }
+    section.table(Table::new(
+        "Scenes that break a hypothesis, by its number in the paper: the order that is derived for it, and the one observed.",
+        &["broken", "scene", "error", "predicted", "observed", "verdict"],
+        rows,
+    ));
+    Some(section)
+}
+
+/// A hypothesis as named in scene files: a number of the paper, or a word.
+pub(super) fn numbered(name: &str) -> String {
+    match name.starts_with(|c: char| c.is_ascii_digit()) {
+        true => format!("({name})"),
+        false => name.replace('_', " "),
     }
 }

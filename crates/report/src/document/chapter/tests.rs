@@ -7,7 +7,8 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use serde_json::json;
 
 use crate::document::{
-    Chapter, Document, Drawn, Report, Run, StudyDocument, Tone, document, markdown, page, tables,
+    Chapter, Document, Drawn, Group, Report, Run, StudyDocument, Tone, document, markdown, page,
+    tables,
 };
 use crate::{ReportError, SceneSummary, StepLimits};
 use judge::record::{CaseRecord, Key, NormError, Status};
@@ -71,8 +72,13 @@ fn composed(studies: &[StudyDocument], change: impl Fn(&mut SceneSummary)) -> Do
     change(&mut scene);
     let records: Vec<CaseRecord> = [8, 16, 32].map(case).into();
     document(Report {
-        scenes: &[scene],
-        drawn: &[Drawn { stem: "s".into(), ..Drawn::default() }],
+        scenes: &[Drawn {
+            scene: &scene,
+            group: Group::default(),
+            stem: "s".into(),
+            figures: Vec::new(),
+            card: Vec::new(),
+        }],
         studies: read(studies),
         of_cases: Vec::new(),
         forest: None,

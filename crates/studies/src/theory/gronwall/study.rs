@@ -256,7 +256,7 @@ fn over_time(
     ];
     let (x, y) = (Axis::new("time t_n", Scale::Linear), Axis::new("norm of the error", Scale::Log));
     let chart = Chart::new(&format!("{scene}: Gronwall"), &question, x, y);
-    Chart { direct: true, series, ..chart }.svg()
+    Chart { series, ..chart }.svg()
 }
 
 /// Prepares a scene for grids with these numbers of steps. A body needs `n`, cells per unit length; an
