@@ -24,7 +24,7 @@ struct Opening {
     more: &'static str,
 }
 
-/// In the order of a report; the scenes that break a hypothesis stand before [`Chapter::Trade`].
+/// The scenes that break a hypothesis stand before [`Chapter::Trade`]; a diagnosis leaves no file, and needs none.
 const OPENINGS: [Opening; 5] = [
     Opening {
         chapter: Chapter::Bound,
@@ -117,18 +117,18 @@ impl Opening {
 /// The chapters that have something to show, and a last section that names the commands of the others.
 pub(super) fn chapters(report: &Report<'_>) -> Vec<Section> {
     let (mut all, broken) = (Vec::new(), broken(report));
-    for opening in &OPENINGS {
-        if opening.chapter == Chapter::Trade {
+    for chapter in Chapter::ALL {
+        if chapter == Chapter::Trade {
             all.extend(broken.clone());
         }
-        let studies = studies(report, opening.chapter);
+        let studies = studies(report, chapter);
         // Every scene has its bounds.
-        if opening.chapter == Chapter::Bound {
-            all.extend([opening.section(), step_sizes(report)]);
-        } else if !studies.is_empty() {
-            all.push(opening.section());
+        let bounds = (chapter == Chapter::Bound).then(|| step_sizes(report));
+        if bounds.is_some() || !studies.is_empty() {
+            let opening = OPENINGS.iter().find(|opening| opening.chapter == chapter);
+            all.extend(opening.map(Opening::section));
         }
-        all.extend(studies);
+        all.extend(bounds.into_iter().chain(studies));
     }
     all.extend(absent(report, broken.is_none()));
     all
