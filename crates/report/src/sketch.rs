@@ -21,6 +21,8 @@ const NEXT_LINE: f64 = 32.0;
 pub enum Ink {
     /// Γ1: a heavy line with hatches.
     Clamped,
+    /// A plane of symmetry, in long dashes.
+    Symmetry,
     /// Γ2.
     Traction,
     /// Γ3: a heavy line.
@@ -100,7 +102,7 @@ impl Sketch {
 
 fn tint(ink: Ink) -> Colour {
     match ink {
-        Ink::Clamped => Colour(0, 0, 0),
+        Ink::Clamped | Ink::Symmetry => Colour(0, 0, 0),
         Ink::Traction => colour(0),
         Ink::Contact => colour(1),
         Ink::Moved => colour(2),
@@ -122,6 +124,7 @@ fn draw(canvas: &mut Canvas, ink: Ink, path: &[CanvasPoint]) {
         Ink::Contact => canvas.line(path, colour, 9),
         Ink::Edge => canvas.line(path, colour, 3),
         Ink::Region => canvas.line(path, colour, 18),
+        Ink::Symmetry => canvas.dashed(path, colour, (30.0, 8.0)),
         Ink::Moved => canvas.dashed(path, colour, (18.0, 11.0)),
         Ink::Obstacle => canvas.dashed(path, colour, (4.0, 7.0)),
         Ink::Thin => canvas.line(path, colour, 1),
