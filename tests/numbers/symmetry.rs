@@ -8,7 +8,7 @@
 use std::path::Path;
 
 use crate::program::Folder;
-use crate::shipped::{on_mesh, run};
+use crate::shipped::{edited, on_mesh, run, text};
 use fem::mesh::{Family, Mesh, lattice, write_gmsh};
 use scene::setup::Setup;
 use scene::{Scene, Source};
@@ -141,6 +141,60 @@ fn difference(part: &[(Vec<f64>, Vec<f64>)], whole: &[(Vec<f64>, Vec<f64>)]) -> 
         assert!(off.is_finite());
         [most.max(off), size.max(large)]
     })
+}
+
+/// What the reader or the set-up says of a shipped scene with edits.
+fn refused(name: &str, edits: &[(&str, &str)]) -> String {
+    let text = edits.iter().fold(text(name), |text, (from, to)| edited(&text, from, to));
+    match Scene::from_source(Source::from_text("manufactured/edited.toml", text)) {
+        Err(error) => error.to_string(),
+        Ok(scene) => match Setup::new(scene) {
+            Ok(_) => panic!("{name} is accepted with {edits:?}"),
+            Err(error) => error.to_string(),
+        },
+    }
+}
+
+/// Displacements across a plane or tractions along it, a body that is left to move, and conditions that are not independent.
+#[test]
+fn what_is_no_plane_of_symmetry_is_refused() {
+    let first = "u = [\"d(W,x)*y*(1 - y)";
+    let second = "\"-W*(1 - y^2)";
+    let held = "clamped = [\"top\"]\n";
+    let free = (
+        "symmetry = [\"left\"]\ntraction = [\"right\"]",
+        "symmetry = [\"left\"]\ntraction = [\"right\", \"top\"]",
+    );
+    let across = refused("symmetry", &[(first, "u = [\"1e-6*t*y*(1 - y) + d(W,x)*y*(1 - y)")]);
+    assert!(across.contains("u_nu is ") && across.contains("on a plane of symmetry"), "{across}");
+    let along = refused("symmetry", &[(second, "\"1e-3*t*x*(1 - y) - W*(1 - y^2)")]);
+    assert!(along.contains("|sigma_tau| is "), "{along}");
+    let moving = refused("symmetry", &[(held, ""), free]);
+    assert!(moving.contains("can move along its planes of symmetry"), "{moving}");
+    let three = (
+        "symmetry = [\"left\", \"front\", \"top\"]\ntraction = [\"right\", \"back\"]",
+        "symmetry = [\"left\", \"front\"]\ntraction = [\"right\", \"back\", \"top\"]",
+    );
+    let moving = refused("symmetry-box", &[three]);
+    assert!(moving.contains("can move along its planes of symmetry"), "{moving}");
+    // The foot in two parts, of which one is a plane of symmetry; and friction beside an oblique plane.
+    let straight = refused(
+        "symmetry-oblique",
+        &[
+            (
+                "vertices = [[0.0, 0.0], [1.0, 0.0],",
+                "vertices = [[0.0, 0.0], [0.5, 0.0], [1.0, 0.0],",
+            ),
+            ("sides = [\"foot\",", "sides = [\"foot\", \"heel\","),
+            ("symmetry = [\"left\",", "symmetry = [\"heel\", \"left\","),
+        ],
+    );
+    assert!(straight.contains("meet at x = 0.5, y = 0 along one line"), "{straight}");
+    let leaning = refused(
+        "symmetry-oblique",
+        &[("[contact]\n", "[contact]\nfriction = { bound = \"0.1\" }\n")],
+    );
+    assert!(leaning.contains("at another angle than a right one"), "{leaning}");
 }
 
 const P2: &str = "[discretization]\nelement = \"P2\"";
