@@ -133,7 +133,7 @@ fn vanishes_where_clamped(
         (along.abs(), n, at.vertex)
     });
     if let Some((value, n, vertex)) = across.max_by(|a, b| a.0.total_cmp(&b.0))
-        && !(value <= CLAMPED_WITHIN * size)
+        && (value.is_nan() || value > CLAMPED_WITHIN * size)
     {
         return Err(said(format!(
             "the displacement along the normal is {value:e} at level {n}, vertex {vertex} of a plane of symmetry: it is \
