@@ -50,6 +50,8 @@ class Case:
         The side of each.
     contact : dict of ndarray
         Gamma3: vertex, normal, weight, gap (inf: none), shift, scale, clamped.
+    symmetry : dict of ndarray or None
+        Planes of symmetry: vertex, normal; u . normal = 0 there.
     times : ndarray, (N + 1,)
     kernels : ndarray or None
         (terms, N + 1), b_i(t_n), on a uniform grid; else (terms, N + 1, N + 1), b_i(t_n - t_j). Without t^-a where
@@ -76,6 +78,7 @@ class Case:
     kernels: NDArray[Any] | None
     loads: NDArray[Any]
     friction: NDArray[Any] | None = None
+    symmetry: dict[str, NDArray[Any]] | None = None
 
 
 def verify(
@@ -173,6 +176,7 @@ def _case(raw: dict[str, Any], numpy: Any) -> Case:
         kernels=array("kernels") if "kernels" in raw else None,
         loads=array("loads"),
         friction=array("friction") if "friction" in raw else None,
+        symmetry={"vertex": array("symmetry_vertices"), "normal": array("symmetry_normals")},
     )
 
 

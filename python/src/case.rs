@@ -28,6 +28,10 @@ pub fn case<'py>(py: Python<'py>, given: &Given, data: &MeshData) -> PyResult<Bo
     doubles("points", &[vertices, d], &points)?;
     let clamped = |v: usize| u32::from(Given::clamped(space, v));
     indices("clamped", &[vertices], &mut (0..vertices).map(clamped))?;
+    let supports = &space.supports;
+    indices("symmetry_vertices", &[supports.len()], &mut supports.iter().map(|at| at.vertex))?;
+    let normals: Vec<f64> = supports.iter().flat_map(|at| at.normal[..d].iter().copied()).collect();
+    doubles("symmetry_normals", &[supports.len(), d], &normals)?;
     let (a_cell, a_facet) = (space.nodes.a_cell, space.nodes.a_facet);
     indices("cells", &[cells, a_cell], &mut (0..cells).flat_map(|c| Given::of_cell(space, c)))?;
     let region = |c: usize| space.regions.get(c).map_or(0, |&region| region as u32);

@@ -48,6 +48,7 @@ mod separate_evaluation;
 mod shipped;
 mod singular;
 mod step_size;
+mod symmetry;
 mod tangent;
 mod three_dimensions;
 mod time_rules;

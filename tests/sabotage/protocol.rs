@@ -277,7 +277,8 @@ impl Stage {
         });
         // A solver that fails by itself tells nothing of the scene.
         if let Some(reason) = failed {
-            let refused = reason.contains("which is clamped");
+            let refused =
+                ["which is clamped", "plane of symmetry"].iter().any(|word| reason.contains(word));
             return if refused { Seen::Orders } else { Seen::Silent };
         }
         // To rounding: histories are summed in another order.
@@ -365,6 +366,19 @@ fn no_sound_solver_is_accused() {
         }
     }
     assert!(looked_at > 200, "{looked_at}");
+}
+
+/// An answer with a plane of symmetry forgotten is refused; with one that is held along itself it fails the order, and the
+/// cause is named.
+#[test]
+fn wrong_planes_of_symmetry_are_seen() {
+    let stage = Stage::new(&("symmetry", &[], &[8, 16, 32], &[4]));
+    let [free, held] =
+        ["plane of symmetry forgotten", "plane of symmetry held along itself too"].map(mistake);
+    assert_eq!(stage.seen(&free), Seen::Orders);
+    assert!(stage.cause(&free).is_none(), "refused");
+    assert_eq!(stage.seen(&held), Seen::Orders);
+    assert_eq!(stage.cause(&held).map(|found| found.cause), Some(Cause::Symmetry));
 }
 
 /// The table of docs/EXTERNAL.md.

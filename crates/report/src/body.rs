@@ -185,6 +185,8 @@ const NEXT_LINE: f64 = 32.0;
 pub enum Ink {
     /// Γ1: a heavy line with hatches.
     Clamped,
+    /// A plane of symmetry, in long dashes.
+    Symmetry,
     /// Γ2.
     Traction,
     /// Γ3: a heavy line.
@@ -266,6 +268,7 @@ impl Sketch {
 fn look(ink: Ink) -> (Colour, u32, Option<(f64, f64)>) {
     match ink {
         Ink::Clamped => (Colour(0, 0, 0), 5, None),
+        Ink::Symmetry => (Colour(0, 0, 0), 4, Some((30.0, 8.0))),
         Ink::Traction => (colour(0), 4, None),
         Ink::Contact => (colour(1), 9, None),
         Ink::Moved => (colour(2), 4, Some((18.0, 11.0))),

@@ -36,7 +36,7 @@ pub enum Shape {
     Refined(Arc<CoarseMesh>),
 }
 
-/// Each side is in exactly one of the three lists.
+/// Each side is in exactly one of the four lists.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Domain {
     pub shape: Shape,
@@ -44,8 +44,10 @@ pub struct Domain {
     pub size: Vec<f64>,
     /// In the order of [`Side`] and of `Mesh::sides`.
     pub sides: Vec<String>,
-    /// Γ1, at least one side: u = 0.
+    /// Γ1: u = 0.
     pub clamped: Vec<Side>,
+    /// Planes of symmetry: u_ν = 0, σ_τ = 0. With Γ1 they leave no rigid motion.
+    pub symmetry: Vec<Side>,
     /// Γ2: σν = f2.
     pub traction: Vec<Side>,
     /// Γ3: contact.
@@ -56,21 +58,18 @@ pub struct Domain {
 impl Domain {
     pub(super) fn validate(reading: &Reading, dimension: usize) -> Result<Domain, SceneError> {
         let (shape, size, sides) = shape::shape(reading, dimension)?;
-        let (clamped, traction, contact) = Default::default();
+        let (clamped, symmetry, traction, contact) = Default::default();
         let mesh = Family::Structured;
-        let mut domain = Domain { shape, size, sides, clamped, traction, contact, mesh };
+        let mut domain = Domain { shape, size, sides, clamped, symmetry, traction, contact, mesh };
         domain.clamped = domain.listed(reading, "domain.clamped")?;
+        domain.symmetry = domain.listed(reading, "domain.symmetry")?;
         domain.traction = domain.listed(reading, "domain.traction")?;
         domain.contact = domain.listed(reading, "domain.contact")?;
         domain.take_rest(reading)?;
         domain.mesh = family::family(reading, &domain)?;
         domain.each_side_once(reading)?;
         normals::few_at_a_vertex(reading, &domain)?;
-        let message =
-            "no side is clamped: without Γ1 there is no Korn inequality, and ‖ε(v)‖ is no norm";
-        let hint =
-            format!("clamp at least one side: clamped = [\"{}\"]", domain.example_of_a_side());
-        reading.refuse_if(domain.clamped.is_empty(), "domain.clamped", message, hint)?;
+        domain.fixed(reading)?;
         Ok(domain)
     }
 
@@ -109,13 +108,32 @@ impl Domain {
         (0..self.sides.len() as u32).map(Side)
     }
 
-    /// If Γ3 is one plane piece and all normal lines from it end on Γ1: the longest of them within the body.
+    /// Refuses a body that can move without strain: Γ1 is empty, and u_ν = 0 on planes of symmetry leaves a translation or
+    /// rotation.
+    fn fixed(&self, reading: &Reading) -> Result<(), SceneError> {
+        if !self.clamped.is_empty() {
+            return Ok(());
+        }
+        let hint = format!("clamp at least one side: clamped = [\"{}\"]", self.example_of_a_side());
+        if self.symmetry.is_empty() {
+            let message =
+                "no side is clamped: without Γ1 there is no Korn inequality, and ‖ε(v)‖ is no norm";
+            return Err(reading.error("domain.clamped", message, hint));
+        }
+        let message = "no side is clamped, and the body can move along its planes of symmetry: there ‖ε(v)‖ is no norm";
+        let left = normals::rigid_motions_left(self) > 0;
+        reading.refuse_if(left, "domain.symmetry", message, hint)
+    }
+
+    /// If Γ3 is one plane piece and all normal lines from it end on Γ1, or across a plane of symmetry: the longest of them
+    /// within the body.
     pub(crate) fn depth_under_contact(&self) -> Option<f64> {
         let [side] = self.contact[..] else { return None };
         match &self.shape {
             Shape::Box => {
                 let opposite = Side(side.0 ^ 1);
-                self.clamped.contains(&opposite).then(|| self.size[side.index() / 2])
+                let ends = [&self.clamped, &self.symmetry].iter().any(|on| on.contains(&opposite));
+                ends.then(|| self.size[side.index() / 2])
             }
             Shape::Refined(coarse) if coarse.dimension == 2 => {
                 depth::under(coarse, side.0, |of| self.clamped.contains(&Side(of)))
@@ -250,22 +268,28 @@ impl Domain {
             return Ok(());
         }
         reading.choice("domain.rest", &[("traction", ())])?;
-        let listed = [&self.clamped, &self.traction, &self.contact].into_iter().flatten();
+        let lists = [&self.clamped, &self.symmetry, &self.traction, &self.contact];
+        let listed = lists.into_iter().flatten();
         let listed: Vec<Side> = listed.copied().collect();
         self.traction.extend(self.all_sides().filter(|side| !listed.contains(side)));
         Ok(())
     }
 
     fn each_side_once(&self, reading: &Reading) -> Result<(), SceneError> {
-        let lists =
-            [("clamped", &self.clamped), ("traction", &self.traction), ("contact", &self.contact)];
+        let lists = [
+            ("clamped", &self.clamped),
+            ("symmetry", &self.symmetry),
+            ("traction", &self.traction),
+            ("contact", &self.contact),
+        ];
         let mut owner: Vec<Option<&str>> = vec![None; self.sides.len()];
         for (list, sides) in lists {
             for (index, side) in sides.iter().enumerate() {
                 if let Some(first) = owner[side.index()].replace(list) {
                     let (key, side) = (format!("domain.{list}.{index}"), self.name(*side));
                     let message = format!("the side `{side}` is in `{first}` and in `{list}`");
-                    let hint = "each side must be in exactly one of clamped, traction, contact";
+                    let hint =
+                        "each side must be in exactly one of clamped, symmetry, traction, contact";
                     return Err(reading.error(&key, message, hint));
                 }
             }
@@ -280,7 +304,7 @@ impl Domain {
             }
             _ => format!("no condition on the side {}", free.join(", ")),
         };
-        let hint = "put each side into clamped, traction or contact, or write rest = \"traction\"; a free side is a traction side without a load";
+        let hint = "put each side into clamped, symmetry, traction or contact, or write rest = \"traction\"; a free side is a traction side without a load";
         reading.refuse_if(!free.is_empty(), "domain", message, hint)
     }
 }

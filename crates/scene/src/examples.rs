@@ -6,7 +6,7 @@ const LINES: [(&str, &str); 52] = [
     ("scene.name", "name = \"punch\""),
     ("scene.question", "question = \"What this scene decides, in one sentence.\""),
     ("scene.dimension", "dimension = 2"),
-    ("domain", "[domain] holds shape, size, and the sides: clamped, traction, contact"),
+    ("domain", "[domain] holds shape, size, and the sides: clamped, symmetry, traction, contact"),
     ("domain.shape", "shape = \"rectangle\""),
     ("domain.size", "size = [1.0, 1.0]"),
     ("domain.vertices", "vertices = [[0.0, 0.0], [1.0, 0.0], [0.5, 1.0]]"),

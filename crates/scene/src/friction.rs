@@ -166,6 +166,18 @@ fn one_tangent_a_vertex(reading: &Reading, domain: &Domain) -> Result<(), SceneE
                 turn.iter().any(|component| component.abs() > SAME_PLACE) && at(p, other)
             };
             let held = || d == 2 && clamped.iter().any(|face_of_clamped| at(p, face_of_clamped));
+            let leans = |plane: &Face| {
+                let along: f64 = (0..3).map(|k| plane.normal[k] * face.normal[k]).sum();
+                along.abs() > SAME_PLACE && at(p, plane)
+            };
+            if of(&domain.symmetry).iter().any(leans) {
+                let message = format!(
+                    "a contact side with friction and a plane of symmetry meet at {} at another angle than a right one: u_tau has no unknown of its own there",
+                    place(&p.into(), d)
+                );
+                let hint = "turn the plane of symmetry, put another side between them, or remove [contact.friction]";
+                return Err(reading.key_error("contact.friction", message, hint));
+            }
             if contact[..i].iter().any(bends) && !held() {
                 let message = format!(
                     "two contact sides with friction meet at {}: both displacements of that vertex carry a normal condition",

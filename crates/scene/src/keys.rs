@@ -28,7 +28,7 @@ const OF_BODIES: Tables = &[
     ("", "scene domain time material contact discretization loads exact sweep predicts"),
     (
         "domain",
-        "shape size vertices sides points triangles file clamped traction contact rest mesh",
+        "shape size vertices sides points triangles file clamped symmetry traction contact rest mesh",
     ),
     ("material", "lambda mu_L E nu elasticity memory projection region"),
     ("material.memory", MEMORY),

@@ -235,10 +235,11 @@ fn divides(scene: &Scene, n: u32) -> bool {
     scene.check_cells(n).is_ok() && scene.as_contact().is_none_or(few)
 }
 
-/// Γ3, Γ2, then Γ1, as far as they exist, with their legend.
+/// Planes of symmetry, Γ2, Γ3, then Γ1, as far as they exist, with their legend.
 fn parts(body: &ContactScene) -> impl Iterator<Item = (Ink, &str, &[Side])> {
     let domain = &body.domain;
     let all = [
+        (Ink::Symmetry, "symmetry", &domain.symmetry[..]),
         (Ink::Traction, "traction", &domain.traction[..]),
         (Ink::Contact, "contact", &domain.contact[..]),
         (Ink::Clamped, "clamped", &domain.clamped[..]),

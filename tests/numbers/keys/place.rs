@@ -7,6 +7,7 @@ use super::{BLOCK, Tie, block, near, scene, with};
 pub const TIES: &[Tie] = &[
     (&["domain.shape", "domain.size"], rectangle),
     (&["domain.clamped", "domain.traction", "domain.contact"], sides_of_a_rectangle),
+    (&["domain.symmetry"], symmetry_of_a_rectangle),
     (&["domain.rest"], rest_of_a_rectangle),
     (&["domain.vertices", "domain.sides"], polygon),
     (&["domain.points", "domain.triangles"], triangles),
@@ -79,6 +80,20 @@ fn sides_of_a_rectangle() {
         let traction: Vec<&str> = domain.traction.iter().map(|side| domain.name(*side)).collect();
         assert_eq!(traction, if free == 10 { ["left", "right"] } else { ["bottom", "top"] });
     }
+}
+
+/// On the left u_x = 0 at its two vertices that are not clamped, with the outward normal; u_y stays free.
+fn symmetry_of_a_rectangle() {
+    let edits = [
+        ("traction = [\"left\", \"right\"]", "symmetry = [\"left\"]\ntraction = [\"right\"]"),
+        ("[contact]", "[contact]\ngap = \"0.1\""),
+    ];
+    let setup = crate::shipped::setup_of(with(BLOCK, &edits));
+    let space = setup.space(4).unwrap_or_else(|error| panic!("{error}"));
+    let held: Vec<(&[f64], [f64; 3])> =
+        space.supports.iter().map(|at| (space.mesh.vertex(at.vertex), at.normal)).collect();
+    assert_eq!(held, [(&[0.0, 0.0][..], [-1.0, 0.0, 0.0]), (&[0.0, 0.25], [-1.0, 0.0, 0.0])]);
+    assert_eq!(space.dofs(), 20);
 }
 
 /// Sides that no list names: both uprights beside a top and a bottom that are listed.

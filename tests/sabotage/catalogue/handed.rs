@@ -4,16 +4,16 @@
 use std::sync::Arc;
 
 use exact::Truth;
-use fem::contact::{Discretization, LoadError};
+use fem::contact::{CaseError, CaseInfo, Discretization, LoadError, Observer};
 use fem::norms::Moments;
 use fem::space::Element;
 use run::external::Answer;
-use scene::setup::{MeshData, Setup};
+use scene::setup::{MeshData, Setup, side_numbers};
 use vhi::Newton;
 use vhi::law::NoPotential;
 
 use super::contact::{gap, penalty, rebuilt};
-use super::paths::half_freed;
+use super::paths::{half_freed, on_sides};
 use super::{Defect, Term, marched};
 
 /// The loads of a solver, made of those of the case on its mesh, at t, with steps k.
@@ -129,6 +129,33 @@ fn turned(setup: Setup) -> Setup {
     })
 }
 
+/// Planes of symmetry with another condition.
+fn planes(setup: Setup, clamped: bool) -> Setup {
+    let of = if clamped { clamped_planes } else { free_planes };
+    if setup.body.domain.symmetry.is_empty() { setup } else { marched(setup, of) }
+}
+
+fn clamped_planes(
+    setup: &Setup,
+    data: &MeshData,
+    steps: u32,
+    observe: &mut Observer<'_>,
+) -> Result<CaseInfo, CaseError> {
+    let domain = &setup.body.domain;
+    let clamped = side_numbers(&[&domain.clamped[..], &domain.symmetry].concat());
+    on_sides(setup, data, steps, observe, (data.space.mesh.clone(), [&clamped, &[]]))
+}
+
+fn free_planes(
+    setup: &Setup,
+    data: &MeshData,
+    steps: u32,
+    observe: &mut Observer<'_>,
+) -> Result<CaseInfo, CaseError> {
+    let clamped = side_numbers(&setup.body.domain.clamped);
+    on_sides(setup, data, steps, observe, (data.space.mesh.clone(), [&clamped, &[]]))
+}
+
 /// Pressures alone are wrong: made of p and the weight of its row.
 fn pressed(data: &MeshData, mut answer: Answer, change: fn(f64, f64) -> f64) -> Answer {
     let points = &data.space.trace.points;
@@ -153,6 +180,10 @@ pub fn handed() -> Vec<Defect> {
         loads!("loads taken for nodal densities and integrated again", lumped),
         loads!("no loads at the ends of one facet", facet),
         Defect::of(Term::Dirichlet, "half of Γ1 freed", half_freed),
+        Defect::of(Term::Dirichlet, "plane of symmetry forgotten", |setup| planes(setup, false)),
+        Defect::of(Term::Dirichlet, "plane of symmetry held along itself too", |setup| {
+            planes(setup, true)
+        }),
         handed("pressures p handed over as 3 - 7 p", |data, answer| {
             pressed(data, answer, |p, _| 3.0 - 7.0 * p)
         }),

@@ -125,18 +125,16 @@ fn freed(
     observe: &mut Observer<'_>,
     which: Freed,
 ) -> Result<CaseInfo, CaseError> {
-    let Data::Exact { form, interpolated: false, .. } = setup.body.data else {
+    let Data::Exact { interpolated: false, .. } = setup.body.data else {
         return data.march(setup, steps, &Newton::default(), observe);
     };
     if setup.body.element != Element::P1 {
         return data.march(setup, steps, &Newton::default(), observe);
     }
-    let (Some(exact), 2) = (&setup.exact, setup.scene.dimension) else {
+    if setup.exact.is_none() || setup.scene.dimension != 2 {
         return data.march(setup, steps, &Newton::default(), observe);
-    };
-    let domain = &setup.body.domain;
-    let [clamped, contact, traction] =
-        [&domain.clamped, &domain.contact, &domain.traction].map(|sides| side_numbers(sides));
+    }
+    let clamped = side_numbers(&setup.body.domain.clamped);
     let mut mesh = data.space.mesh.clone();
     let on: Vec<usize> = mesh.facets_on(&clamped).collect();
     let no_side = mesh.sides.len() as u32;
@@ -144,16 +142,34 @@ fn freed(
         mesh.facet_side[f] = no_side;
     }
     mesh.sides.push("no condition".into());
-    let mut space = Discretization::new(mesh, &clamped, &contact);
+    let symmetry = side_numbers(&setup.body.domain.symmetry);
+    on_sides(setup, data, steps, observe, (mesh, [&clamped, &symmetry]))
+}
+
+/// Solves with these clamped and symmetric sides, and shows what it finds in the numbers of the sound space.
+pub(super) fn on_sides(
+    setup: &Setup,
+    data: &MeshData,
+    steps: u32,
+    observe: &mut Observer<'_>,
+    (mesh, [clamped, symmetry]): (Mesh, [&[u32]; 2]),
+) -> Result<CaseInfo, CaseError> {
+    let (Some(exact), Data::Exact { form, .. }) = (&setup.exact, &setup.body.data) else {
+        return data.march(setup, steps, &Newton::default(), observe);
+    };
+    let domain = &setup.body.domain;
+    let [contact, traction] = [&domain.contact, &domain.traction].map(|sides| side_numbers(sides));
+    let sides = [clamped, symmetry, &contact];
+    let mut space = Discretization::with_symmetry(setup.body.element, mesh, sides);
     space.regions.clone_from(&data.space.regions);
     let space = Arc::new(space);
-    let rules = TruthRules::of(2);
-    let truth = ExactOnMesh::new(exact.clone(), space.clone(), form, &traction, &rules);
+    let (d, rules) = (setup.scene.dimension, TruthRules::of(setup.scene.dimension));
+    let truth = ExactOnMesh::new(exact.clone(), space.clone(), *form, &traction, &rules);
     let renumbered = |by_nodes: &[f64]| {
         let mut shown = vec![0.0; by_nodes.len()];
         for (node, &v) in space.nodes.vertex.iter().enumerate() {
             let at = data.space.nodes.of_vertex[v as usize] as usize;
-            shown[2 * at..2 * at + 2].copy_from_slice(&by_nodes[2 * node..2 * node + 2]);
+            shown[d * at..d * (at + 1)].copy_from_slice(&by_nodes[d * node..d * (node + 1)]);
         }
         shown
     };

@@ -7,6 +7,7 @@ use crate::space::{Element, Geometry, Nodes, StrainPoint, StrainPoints};
 use algebra::linalg::{Analysis, BlockPattern, FactorError, nested_dissection};
 
 use super::held_factors::StiffnessFactors;
+use super::trace::{Support, supports};
 use super::{ContactTrace, Frames};
 
 /// V^h on one mesh: nodes, geometry, matrix pattern, the trace on Γ3. What is dear and not always asked for, such as the
@@ -25,7 +26,9 @@ pub struct Discretization {
     pub pattern: BlockPattern,
     /// Γ3.
     pub trace: ContactTrace,
-    /// Unknowns of the vertices of Γ3 whose normals are no axes.
+    /// The conditions u·ν = 0 on planes of symmetry.
+    pub supports: Vec<Support>,
+    /// Unknowns of the vertices of Γ3, and of planes of symmetry, that are no Cartesian components, or held.
     pub frames: Frames,
     /// The region of each cell, region 0 being what belongs to no named one; empty if there are none.
     pub regions: Vec<u8>,
@@ -41,11 +44,22 @@ impl Discretization {
     }
 
     /// Discretizes `mesh` by any element.
-    pub fn of(element: Element, mut mesh: Mesh, clamped: &[u32], contact: &[u32]) -> Self {
+    pub fn of(element: Element, mesh: Mesh, clamped: &[u32], contact: &[u32]) -> Self {
+        Self::with_symmetry(element, mesh, [clamped, &[], contact])
+    }
+
+    /// Discretizes `mesh` with u = 0 on the first of the sides, u_ν = 0 on the second, and Γ3 on the third; where sides
+    /// of the first two meet, u = 0.
+    pub fn with_symmetry(
+        element: Element,
+        mut mesh: Mesh,
+        [clamped, symmetry, contact]: [&[u32]; 3],
+    ) -> Self {
         let nodes = Nodes::new(&mut mesh, element, clamped);
         let geometry = Geometry::new(&mesh, element);
         let pattern = BlockPattern::new(&nodes.cells, nodes.a_cell, mesh.dimension, nodes.free);
-        let (trace, frames) = ContactTrace::new(&mesh, element, &nodes, contact);
+        let supports = supports(&mesh, &nodes, symmetry);
+        let (trace, frames) = ContactTrace::new(&mesh, element, &nodes, contact, &supports);
         Self {
             element,
             mesh,
@@ -53,6 +67,7 @@ impl Discretization {
             geometry,
             pattern,
             trace,
+            supports,
             frames,
             regions: Vec::new(),
             analysis: OnceLock::new(),

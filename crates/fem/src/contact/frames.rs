@@ -4,6 +4,9 @@
 //! N are the normals of the sides that meet there, completed by unit vectors across them. With
 //! B = N⁻¹, displacements are u = B w, forces Bᵀf, matrices BᵀKB. Elsewhere w = u, and a scene whose
 //! normals are axes has no frame and pays nothing.
+//!
+//! On a plane of symmetry u_ν = 0: that unknown is held. Its column of B and its row of N are zero, which leaves it out of
+//! displacements, forces and matrices; on the diagonal of a matrix it keeps a positive number, so that it is solved to 0.
 
 use algebra::linalg::complement;
 use nalgebra::DMatrix;
@@ -12,10 +15,26 @@ use nalgebra::DMatrix;
 #[derive(Debug, Clone, PartialEq)]
 struct Frame {
     node: usize,
-    /// N.
+    /// The rows along which the unknowns are: N, with those that are held.
+    rows: DMatrix<f64>,
+    /// N, zero where an unknown is held.
     normals: DMatrix<f64>,
-    /// B = N⁻¹.
+    /// B = N⁻¹, zero where an unknown is held.
     basis: DMatrix<f64>,
+    /// The unknowns that are held at zero.
+    held: Vec<usize>,
+}
+
+impl Frame {
+    fn new(node: usize, rows: DMatrix<f64>, held: Vec<usize>) -> Self {
+        let (mut normals, mut basis) =
+            (rows.clone(), rows.clone().try_inverse().expect("independent rows"));
+        for &i in &held {
+            normals.row_mut(i).fill(0.0);
+            basis.column_mut(i).fill(0.0);
+        }
+        Self { node, rows, normals, basis, held }
+    }
 }
 
 /// All of them, on one mesh.
@@ -39,19 +58,35 @@ impl Frames {
     }
 
     /// Gives a node unknowns along `normals` (unit vectors, at most d of them), of which the first
-    /// become its first components. Normals that depend on each other are a broken invariant of the
-    /// mesh: two sides that meet at an angle have different normals.
-    pub(crate) fn insert(&mut self, node: usize, nodes: usize, normals: &[[f64; 3]]) {
+    /// become its first components; those from `held` on are held at zero. Normals that depend on each other are a broken
+    /// invariant of the mesh: two sides that meet at an angle have different normals.
+    pub(crate) fn insert(&mut self, node: usize, nodes: usize, normals: &[[f64; 3]], held: usize) {
         let d = self.dimension;
         let mut rows: Vec<Vec<f64>> = normals.iter().map(|normal| normal[..d].to_vec()).collect();
         rows.extend(complement(&rows, d).unwrap_or_default());
         assert_eq!(rows.len(), d, "dependent normals at node {node}");
-        let normals = DMatrix::from_fn(d, d, |i, j| rows[i][j]);
-        assert!(normals.determinant().abs() > DEPENDENT, "dependent normals at node {node}");
-        let basis = normals.clone().try_inverse().expect("independent rows");
+        let rows = DMatrix::from_fn(d, d, |i, j| rows[i][j]);
+        assert!(rows.determinant().abs() > DEPENDENT, "dependent normals at node {node}");
+        self.push(nodes, Frame::new(node, rows, (held..normals.len()).collect()));
+    }
+
+    /// Holds Cartesian components of a node at zero.
+    pub(crate) fn hold(&mut self, node: usize, nodes: usize, components: Vec<usize>) {
+        self.push(
+            nodes,
+            Frame::new(node, DMatrix::identity(self.dimension, self.dimension), components),
+        );
+    }
+
+    fn push(&mut self, nodes: usize, frame: Frame) {
         self.of_node.resize(nodes, NONE);
-        self.of_node[node] = self.frames.len() as u32;
-        self.frames.push(Frame { node, normals, basis });
+        self.of_node[frame.node] = self.frames.len() as u32;
+        self.frames.push(frame);
+    }
+
+    /// Whether an unknown is held at zero.
+    pub fn hold_any(&self) -> bool {
+        self.frames.iter().any(|frame| !frame.held.is_empty())
     }
 
     /// True if all unknowns are Cartesian components.
@@ -61,7 +96,8 @@ impl Frames {
 
     /// Nodes whose unknowns are not Cartesian components, with N by rows.
     pub(crate) fn rows(&self) -> impl Iterator<Item = (usize, Vec<f64>)> {
-        self.frames.iter().map(|frame| (frame.node, frame.normals.transpose().as_slice().to_vec()))
+        let turned = self.frames.iter().filter(|frame| !frame.rows.is_identity(0.0));
+        turned.map(|frame| (frame.node, frame.rows.transpose().as_slice().to_vec()))
     }
 
     /// u = B w of a vector by nodes, in place.
@@ -77,6 +113,19 @@ impl Frames {
     /// Bᵀf of forces by nodes, in place.
     pub(crate) fn force_on_unknowns(&self, force: &mut [f64]) {
         self.each(force, |frame, at_node| frame.basis.tr_mul(&at_node));
+    }
+
+    /// Nᵀg of forces on unknowns by nodes, in place.
+    pub(crate) fn force_on_cartesian(&self, force: &mut [f64]) {
+        self.each(force, |frame, at_node| frame.normals.tr_mul(&at_node));
+    }
+
+    /// Takes the part of Cartesian forces by nodes that does no work in V: what supports a plane of symmetry.
+    pub fn without_support(&self, force: &mut [f64]) {
+        self.each(force, |frame, at_node| match frame.held.is_empty() {
+            true => at_node,
+            false => frame.normals.tr_mul(&frame.basis.tr_mul(&at_node)),
+        });
     }
 
     fn each(
@@ -101,14 +150,15 @@ impl Frames {
         for (a, &node) in nodes.iter().enumerate() {
             let at = self.of_node.get(node as usize).copied().unwrap_or(NONE);
             if at != NONE {
-                self.rotate_node(&self.frames[at as usize].basis, a, nodes.len(), local);
+                self.rotate_node(&self.frames[at as usize], a, nodes.len(), local);
             }
         }
     }
 
-    fn rotate_node(&self, basis: &DMatrix<f64>, a: usize, corners: usize, local: &mut [f64]) {
-        let d = self.dimension;
+    fn rotate_node(&self, frame: &Frame, a: usize, corners: usize, local: &mut [f64]) {
+        let (d, basis) = (self.dimension, &frame.basis);
         let order = d * corners;
+        let diagonal = [0, 1, 2].map(|j| local[(order + 1) * (d * a + j.min(d - 1))]);
         let mut rotated = [0.0; 3];
         for row in 0..order {
             for (j, value) in rotated.iter_mut().enumerate().take(d) {
@@ -124,6 +174,9 @@ impl Frames {
                 local[order * (d * a + j) + column] = *value;
             }
         }
+        for &j in &frame.held {
+            local[(order + 1) * (d * a + j)] = diagonal[j];
+        }
     }
 }
 
@@ -133,7 +186,7 @@ mod tests {
 
     fn frames(normals: &[[f64; 3]], d: usize) -> Frames {
         let mut frames = Frames::new(d);
-        frames.insert(1, 3, normals);
+        frames.insert(1, 3, normals, normals.len());
         frames
     }
 
@@ -162,6 +215,34 @@ mod tests {
             assert!((dot(&w, &g) - dot(&u, &f)).abs() < 1e-13);
             frames.to_cartesian(&mut w);
             assert!(w.iter().zip(&u).all(|(a, b)| (a - b).abs() < 1e-14));
+        }
+    }
+
+    /// An oblique vertex with one held unknown, and a vertex between two planes of symmetry: displacements that are left
+    /// have no normal part, forces that are left do the same work on them, and the support does none.
+    #[test]
+    fn held_unknowns_leave_displacements_forces_and_matrices() {
+        let normal = [0.6, -0.8];
+        let mut frames = Frames::new(2);
+        frames.insert(0, 2, &[[0.6, -0.8, 0.0]], 0);
+        frames.hold(1, 2, vec![0, 1]);
+        assert!(frames.hold_any());
+        let mut u = vec![0.3, 0.7, -0.2, 0.9];
+        frames.to_cartesian(&mut u);
+        assert!((normal[0] * u[0] + normal[1] * u[1]).abs() < 1e-15);
+        assert_eq!(u[2..], [0.0, 0.0]);
+        let force = vec![1.3, -0.4, 0.2, 0.5];
+        let mut kept = force.clone();
+        frames.without_support(&mut kept);
+        let work = |f: &[f64]| f.iter().zip(&u).map(|(f, u)| f * u).sum::<f64>();
+        assert!((work(&force) - work(&kept)).abs() < 1e-15);
+        assert!((normal[0] * kept[0] + normal[1] * kept[1]).abs() < 1e-15);
+        assert_eq!(kept[2..], [0.0, 0.0]);
+        let mut matrix: Vec<f64> = (0..16).map(|i| if i % 5 == 0 { 4.0 } else { 1.0 }).collect();
+        frames.rotate_cell(&[0, 1], &mut matrix);
+        for held in [0, 2, 3] {
+            let row = (0..4).map(|j| matrix[4 * held + j]);
+            assert!(row.enumerate().all(|(j, value)| value == if j == held { 4.0 } else { 0.0 }));
         }
     }
 

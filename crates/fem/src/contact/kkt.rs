@@ -74,6 +74,7 @@ pub fn out_of_balance(
     in_dimension!(space.mesh.dimension, D, S => internal_force::<D, S>(space, model, view, &mut balance));
     add_contact_forces(space, model, view, &mut balance);
     axpy(-1.0, load, &mut balance);
+    space.frames.without_support(&mut balance);
     balance
 }
 
@@ -88,6 +89,7 @@ fn evaluate<const D: usize, const S: usize>(
     let mut scale = largest(balance).max(largest(load));
     add_contact_forces(space, model, view, balance);
     axpy(-1.0, load, balance);
+    space.frames.without_support(balance);
     let unbalanced = largest(&balance[..space.dofs()]);
     let mut contact = 0.0f64;
     if let Some(boundary) = &model.boundary {

@@ -54,6 +54,6 @@ pub use nodal_norms::{strain_distance, strain_norm};
 pub use plan::Plan;
 pub use problem::ContactProblem;
 pub use stiffness::StiffnessInverse;
-pub use trace::{ContactTrace, TracePoint, facet_measure};
+pub use trace::{ContactTrace, Support, TracePoint, facet_measure};
 pub use trace_constant::{TraceMass, TracePart, trace_constants};
 pub use work::Work;

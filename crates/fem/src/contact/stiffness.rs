@@ -43,7 +43,9 @@ impl Discretization {
     /// Lower-triangle values of the stiffness matrix of `tensor`.
     pub(super) fn stiffness_of(&self, unknowns: Unknowns, tensor: &TensorField) -> Vec<f64> {
         match unknowns {
-            Unknowns::Displacements => self.stiffness(tensor),
+            // Where unknowns are held, only theirs has an inverse.
+            Unknowns::Displacements if !self.frames.hold_any() => self.stiffness(tensor),
+            Unknowns::Displacements => self.stiffness_of_unknowns(tensor),
             Unknowns::ContactLast => self.stiffness_of_unknowns(tensor),
         }
     }
@@ -115,14 +117,28 @@ impl<'a> StiffnessInverse<'a> {
         Ok(Self { space, analysis: space.analysis()?, kept, front: Front::default() })
     }
 
-    /// K⁻¹b in place, over the unknowns.
+    /// K⁻¹b in place, over the free nodes: the displacements in V^h that a Cartesian force moves.
     pub fn solve(&mut self, b: &mut [f64]) {
+        let held = self.space.frames.hold_any();
+        if held {
+            self.space.frames.force_on_unknowns(b);
+        }
         self.analysis.solve(&self.kept.factor, b, &mut self.front);
+        if held {
+            self.space.frames.to_cartesian(b);
+        }
     }
 
-    /// Kx.
+    /// Kx for displacements in V^h, as a force that does no work outside V^h.
     pub fn multiply(&self, x: &[f64], out: &mut [f64]) {
-        self.space.pattern.multiply(&self.kept.values, x, out);
+        let (pattern, values) = (&self.space.pattern, &self.kept.values);
+        if !self.space.frames.hold_any() {
+            return pattern.multiply(values, x, out);
+        }
+        let mut w = x.to_vec();
+        self.space.frames.to_unknowns(&mut w);
+        pattern.multiply(values, &w, out);
+        self.space.frames.force_on_cartesian(out);
     }
 
     /// The lower triangle of K.

@@ -57,6 +57,42 @@ pub struct ContactTrace {
 /// Normals that differ by less are one direction: rounding of vertex positions over a facet.
 const SAME_NORMAL: f64 = 1e-12;
 
+/// A condition u·ν = 0 at a free vertex, or midpoint with a node, of a plane of symmetry.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Support {
+    /// The vertex of the mesh.
+    pub vertex: u32,
+    /// ν, padded with zeros to three numbers.
+    pub normal: [f64; 3],
+}
+
+/// The conditions on `sides`: at each vertex off Γ1 along as many of their normals as are independent, by vertices.
+pub(super) fn supports(mesh: &Mesh, nodes: &Nodes, sides: &[u32]) -> Vec<Support> {
+    let d = mesh.dimension;
+    let mut known: BTreeMap<u32, Vec<Vec<f64>>> = BTreeMap::new();
+    for f in mesh.facets_on(sides) {
+        let normal = mesh.normal(f)[..d].to_vec();
+        for &vertex in nodes.on_facet(f) {
+            let here = known.entry(vertex).or_default();
+            here.push(normal.clone());
+            // Normals of one plane, and of planes through one line, differ by rounding: 1e-8 is far above it.
+            if here.len() > d || complement(here, d).is_none() {
+                here.pop();
+            }
+        }
+    }
+    let free =
+        known.into_iter().filter(|(v, _)| (nodes.of_vertex[*v as usize] as usize) < nodes.free);
+    free.flat_map(|(vertex, normals)| {
+        normals.into_iter().map(move |normal| {
+            let mut padded = [0.0; 3];
+            padded[..d].copy_from_slice(&normal);
+            Support { vertex, normal: padded }
+        })
+    })
+    .collect()
+}
+
 impl ContactTrace {
     /// The trace on `sides` of `mesh`, and the unknowns of the vertices whose normals are no axes.
     pub(crate) fn new(
@@ -64,6 +100,7 @@ impl ContactTrace {
         element: Element,
         nodes: &Nodes,
         sides: &[u32],
+        planes: &[Support],
     ) -> (Self, Frames) {
         let d = mesh.dimension;
         let (weights, sum) = element.facet_weights(d);
@@ -86,7 +123,7 @@ impl ContactTrace {
             trace.mesh_facet.push(f as u32);
             trace.measure.push(measure);
         }
-        let frames = trace.choose_unknowns(d, nodes, &known);
+        let frames = trace.choose_unknowns(d, nodes, known, planes);
         (trace, frames)
     }
 
@@ -101,31 +138,53 @@ impl ContactTrace {
         unknowns
     }
 
-    /// A vertex whose normals are all axes keeps its Cartesian unknowns, another gets a frame.
+    /// A vertex whose normals are all axes keeps its Cartesian unknowns, another gets a frame; those along the normals of
+    /// `planes` are held.
     fn choose_unknowns(
         &mut self,
         d: usize,
         nodes: &Nodes,
-        known: &BTreeMap<u32, Vec<usize>>,
+        mut known: BTreeMap<u32, Vec<usize>>,
+        planes: &[Support],
     ) -> Frames {
         let mut frames = Frames::new(d);
-        for members in known.values() {
-            if members.iter().all(|&at| axis_of(&self.points[at].normal).is_some()) {
-                for &at in members {
-                    let axis = axis_of(&self.points[at].normal).unwrap_or(0);
-                    self.points[at].unknown = (d * self.points[at].node as usize + axis) as u32;
+        let mut across: BTreeMap<u32, Vec<[f64; 3]>> = BTreeMap::new();
+        for plane in planes {
+            across.entry(plane.vertex).or_default().push(plane.normal);
+            known.entry(plane.vertex).or_default();
+        }
+        for (vertex, members) in &known {
+            let node = nodes.of_vertex[*vertex as usize] as usize;
+            let mut normals: Vec<[f64; 3]> =
+                members.iter().map(|&at| self.points[at].normal).collect();
+            let planes = across.get(vertex).map_or(&[][..], Vec::as_slice);
+            normals.extend(planes);
+            let axes: Vec<usize> = normals.iter().filter_map(axis_of).collect();
+            let clamped = node >= nodes.free;
+            if axes.len() == normals.len() {
+                for (&at, &axis) in members.iter().zip(&axes) {
+                    self.points[at].unknown = (d * node + axis) as u32;
                     self.points[at].sign = self.points[at].normal[axis];
+                }
+                let held = axes[members.len()..].to_vec();
+                if !clamped && !held.is_empty() {
+                    frames.hold(node, nodes.vertex.len(), held);
                 }
                 continue;
             }
-            let normals: Vec<[f64; 3]> = members.iter().map(|&at| self.points[at].normal).collect();
-            let first = self.points[members[0]];
-            if !first.clamped {
-                frames.insert(first.node as usize, nodes.vertex.len(), &normals);
+            if !clamped {
+                frames.insert(node, nodes.vertex.len(), &normals, members.len());
             }
             for (i, &at) in members.iter().enumerate() {
-                self.points[at].unknown = (d * first.node as usize + i.min(d - 1)) as u32;
+                self.points[at].unknown = (d * node + i.min(d - 1)) as u32;
                 self.points[at].sign = 1.0;
+                // The plane of symmetry is across the side where there is friction: its normal is a tangent then.
+                if let (3, [plane]) = (d, planes) {
+                    let rows = [self.points[at].normal.to_vec(), plane.to_vec()];
+                    let third = complement(&rows, d).unwrap_or_default();
+                    self.points[at].tangents[0] = *plane;
+                    third.iter().for_each(|t| self.points[at].tangents[1].copy_from_slice(t));
+                }
             }
         }
         frames

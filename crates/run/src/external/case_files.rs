@@ -1,11 +1,12 @@
 //! A case as files: mesh, times, loads and numbers, so that a solver needs no formula but κ(ζ).
 
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use serde_json::{Value, json};
 
 use super::npy::{Array, encode};
-use fem::contact::{CaseError, Discretization};
+use fem::contact::{CaseError, Discretization, LoadError, Support};
 use files::replace_file;
 use scene::setup::{MeshData, Setup};
 use vhi::history::TimeGrid;
@@ -94,6 +95,9 @@ pub fn write_case(dir: &Path, setup: &Setup, data: &MeshData, steps: u32) -> Res
     written("vertices.csv", vertices(space))?;
     written("cells.csv", cells(space))?;
     written("facets.csv", facets(space))?;
+    if !space.supports.is_empty() {
+        written("symmetry.csv", symmetry(&space.supports, space.mesh.dimension))?;
+    }
     written("contact.csv", contact_table(&given.contact, space.mesh.dimension))?;
     file("times.npy", &encode(&[given.times.len()], &given.times))?;
     let array = |name: &str, array: &Array| file(name, &encode(&array.shape, &array.numbers));
@@ -134,6 +138,7 @@ fn case(setup: &Setup, data: &MeshData, grid: &TimeGrid) -> Value {
         "midpoints": mesh.vertices() - mesh.corners(),
         "cells": mesh.cell_count(),
         "contact_rows": data.space.trace.points.len(),
+        "symmetry_rows": data.space.supports.len(),
         "regions": names,
         "elasticity": tensors(&model.elasticity),
         "memory": memory,
@@ -209,6 +214,15 @@ fn facets(space: &Discretization) -> Result<Vec<u8>, csv::Error> {
     table(between("facet", names, &["side"]), mesh.facet_side.iter().enumerate().map(row))
 }
 
+/// The conditions u·n = 0.
+fn symmetry(rows: &[Support], d: usize) -> Result<Vec<u8>, csv::Error> {
+    let head = COORDINATES[..d].iter().map(|name| format!("n{name}"));
+    let cells = |row: &Support| {
+        between(&row.vertex.to_string(), row.normal[..d].iter().map(f64::to_string), &[])
+    };
+    table(between("vertex", head, &[]), rows.iter().map(cells))
+}
+
 fn contact(setup: &Setup, space: &Discretization) -> Vec<ContactRow> {
     let row = |point: &fem::contact::TracePoint| {
         let x = space.mesh.point(&[point.vertex], &[1.0]);
@@ -279,11 +293,22 @@ fn kernels(setup: &Setup, grid: &TimeGrid) -> Result<Array, CaseError> {
     Ok(Array { shape: vec![terms.len(), levels, levels], numbers: values })
 }
 
+/// F(t) on the unknowns, without what supports planes of symmetry.
+pub(super) fn load(data: &MeshData, t: f64) -> Result<Arc<Vec<f64>>, LoadError> {
+    let load = data.truth.load(t)?;
+    if data.space.supports.is_empty() {
+        return Ok(load);
+    }
+    let mut kept = load.to_vec();
+    data.space.frames.without_support(&mut kept);
+    Ok(Arc::new(kept))
+}
+
 fn loads(data: &MeshData, grid: &TimeGrid) -> Result<Array, CaseError> {
     let (nodes, d) = (&data.space.nodes, data.space.mesh.dimension);
     let mut values = Vec::with_capacity((grid.steps() + 1) * nodes.of_vertex.len() * d);
     for &t in grid.times() {
-        let load = data.truth.load(t)?;
+        let load = load(data, t)?;
         for &node in &nodes.of_vertex {
             let at = node as usize * d;
             values.extend((at..at + d).map(|dof| load.get(dof).copied().unwrap_or(0.0)));

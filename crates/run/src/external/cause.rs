@@ -55,7 +55,7 @@ pub fn cause_of(
     };
     let none = vec![0.0; space.trace.points.len()];
     scheme.march(setup, data, steps, &mut |view| {
-        let load = data.truth.load(view.t)?;
+        let load = super::case_files::load(data, view.t)?;
         let alone = StepView { compliance: &none, multiplier: &none, friction: &[], ..*view };
         let mut balance = out_of_balance(space, model, &alone, &load);
         balance.truncate(dofs);
@@ -138,6 +138,9 @@ fn of_body(left: &Left<'_>, off: &[f64]) -> Found {
     if off[0] > left.sound && off[1..].iter().all(|&off| off <= left.sound) {
         let says = || "level 0 is not solved like the levels that follow from it".to_owned();
         better(0.0, 3, Cause::Levels, &says);
+    }
+    if let Some(says) = held_along(left) {
+        better(0.0, 0, Cause::Symmetry, &|| says.clone());
     }
     if let Some(says) = few_rows(left) {
         better(0.0, 3, Cause::Loads, &|| says.clone());
@@ -350,6 +353,29 @@ fn of_tensors(left: &Left<'_>, offer: &mut Offer<'_>) {
     };
     let columns: Vec<_> = lame.into_iter().flat_map(of).collect();
     offer(Cause::Elasticity, false, &columns, &|_| "the tensors of elasticity and memory".into());
+}
+
+/// The words where all nodes that are out of balance lie on planes of symmetry, and do not move.
+fn held_along(left: &Left<'_>) -> Option<String> {
+    let (space, d) = (&*left.data.space, left.data.space.mesh.dimension);
+    let still =
+        |node: usize| left.u.iter().all(|u| u[d * node..d * (node + 1)].iter().all(|u| *u == 0.0));
+    let on: Vec<usize> = space
+        .supports
+        .iter()
+        .map(|at| space.nodes.of_vertex[at.vertex as usize] as usize)
+        .collect();
+    let wrong = |level: &Vec<f64>| {
+        left.rows
+            .iter()
+            .filter(|&&row| level[row].abs() > left.sound)
+            .map(|row| row / d)
+            .collect::<Vec<_>>()
+    };
+    let mut wrong = left.balance.iter().flat_map(wrong);
+    wrong.all(|node| on.contains(&node) && still(node)).then(|| {
+        "planes of symmetry do not move at all: there u_nu = 0 alone, and the rest is free (symmetry.csv)".to_owned()
+    })
 }
 
 /// The words where few nodes, or one side alone, are out of balance.

@@ -19,6 +19,8 @@ pub enum Cause {
     /// Some levels are not solved.
     Levels,
     Elasticity,
+    /// A plane of symmetry is held along itself.
+    Symmetry,
     Loads,
     Memory,
     Projection,
@@ -61,9 +63,14 @@ pub(super) struct Left<'a> {
 }
 
 impl Left<'_> {
-    /// The rows without contact of all levels.
+    /// The rows without contact of all levels, without what supports planes of symmetry.
     pub(super) fn long(&self, levels: &[Vec<f64>]) -> Vec<f64> {
-        levels.iter().flat_map(|level| self.rows.iter().map(|&row| level[row])).collect()
+        let of_level = |level: &Vec<f64>| {
+            let mut level = level.clone();
+            self.data.space.frames.without_support(&mut level);
+            self.rows.iter().map(move |&row| level[row])
+        };
+        levels.iter().flat_map(of_level).collect()
     }
 
     /// (ℬ ε(v), ε(·)) by levels.

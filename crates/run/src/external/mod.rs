@@ -108,10 +108,10 @@ fn forget(dir: &Path) -> Result<(), CaseError> {
 /// Largest value on Γ1 as a share of the largest displacement: conditions by a penalty of 1e10 leave less.
 const CLAMPED_WITHIN: f64 = 1e-8;
 
-/// V has u = 0 on Γ1, and ‖ε(·)‖ is a norm there alone: a body that has moved as a whole has no strain.
+/// V has u = 0 on Γ1, u_ν = 0 on planes of symmetry, and ‖ε(·)‖ is a norm there alone: a body that has moved as a whole has no strain.
 ///
 /// # Errors
-/// The largest value on Γ1, with its place.
+/// The largest such value, with its place.
 fn vanishes_where_clamped(
     space: &Discretization,
     grid: &TimeGrid,
@@ -126,6 +126,21 @@ fn vanishes_where_clamped(
         let at = n * row + vertex as usize * d;
         (u[at..at + d].iter().fold(0.0, largest), n, vertex)
     });
+    let across = |n: usize| space.supports.iter().map(move |at| (n, at));
+    let across = (0..=grid.steps()).flat_map(across).map(|(n, at)| {
+        let u = &u[n * row + at.vertex as usize * d..];
+        let along: f64 = at.normal[..d].iter().zip(u).map(|(n, u)| n * u).sum();
+        (along.abs(), n, at.vertex)
+    });
+    if let Some((value, n, vertex)) = across.max_by(|a, b| a.0.total_cmp(&b.0))
+        && (value.is_nan() || value > CLAMPED_WITHIN * size)
+    {
+        return Err(said(format!(
+            "the displacement along the normal is {value:e} at level {n}, vertex {vertex} of a plane of symmetry: it is \
+             0 there (symmetry.csv), here to {:.1e}, {CLAMPED_WITHIN:e} of the largest displacement",
+            CLAMPED_WITHIN * size
+        )));
+    }
     match held.max_by(|a, b| a.0.total_cmp(&b.0)) {
         Some((value, n, vertex)) if value > CLAMPED_WITHIN * size => Err(said(format!(
             "the displacement is {value:e} at level {n}, vertex {vertex}, which is clamped: it is 0 there \

@@ -25,6 +25,7 @@ pub fn admissible(setup: &Setup) -> Result<(), SetupError> {
     smallness(setup)?;
     if let Some(exact) = &setup.exact {
         clamped(setup, exact)?;
+        symmetric(setup, exact)?;
         let domain = &setup.body.domain;
         for face in domain.contact.iter().flat_map(|&side| domain.faces(side)) {
             contact_state(setup, exact, &face)?;
@@ -158,6 +159,39 @@ fn clamped(setup: &Setup, exact: &Exact) -> Result<(), SceneError> {
             let hint = "multiply it by a function that vanishes there, such as (1 - y)";
             Err(setup.scene.error(&key, message, hint))
         })?;
+    }
+    Ok(())
+}
+
+/// u_ν = 0 and σ_τ = 0 on planes of symmetry.
+fn symmetric(setup: &Setup, exact: &Exact) -> Result<(), SceneError> {
+    let (scene, domain) = (&setup.scene, &setup.body.domain);
+    let inside = domain.inner_points(6);
+    let times = (0..=TIMES).map(|n| scene.time.horizon * f64::from(n) / f64::from(TIMES));
+    let times: Vec<f64> = times.collect();
+    // Sizes that count as rounding of zero, from the body: strains are derivatives, and lose half of the digits at most.
+    let largest = times.iter().fold([0.0f64; 2], |largest, &t| exact.sizes(&inside, t, largest));
+    let [least_u, least_sigma] = [ROUNDING * largest[0], ROUNDING.sqrt() * largest[1]];
+    let faces = domain.symmetry.iter().flat_map(|&side| domain.faces(side));
+    for face in faces {
+        let points = face.points(samples_along(setup));
+        for &t in &times {
+            let across = exact.across(&face.normal, &points, t);
+            for (&place, [u, traction]) in points.iter().zip(across) {
+                let at = Sample { place, t, setup };
+                let message = format_args!("u_nu is {u:.3e} {at} on a plane of symmetry");
+                let hint =
+                    "there the component along the normal is zero: let it be odd across that plane";
+                let moves = u.is_nan() || u.abs() > least_u.max(f64::MIN_POSITIVE);
+                scene.refuse_if(moves, "exact.u", message, hint)?;
+                let message =
+                    format_args!("|sigma_tau| is {traction:.3e} {at} on a plane of symmetry");
+                let hint =
+                    "no traction acts along it: let the other components be even across that plane";
+                let sheared = traction.is_nan() || traction > least_sigma.max(f64::MIN_POSITIVE);
+                scene.refuse_if(sheared, "exact.u", message, hint)?;
+            }
+        }
     }
     Ok(())
 }

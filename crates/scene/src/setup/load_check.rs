@@ -114,8 +114,11 @@ impl Sums {
         Self { values, size: of_sizes.into_iter().fold(0.0, f64::max) }
     }
 
+    /// Of the forces that do work in V.
     fn of(space: &Discretization, forces: &[f64]) -> Self {
-        Self::of_sized(space, forces, &forces.iter().map(|force| force.abs()).collect::<Vec<_>>())
+        let mut forces = forces.to_vec();
+        space.frames.without_support(&mut forces);
+        Self::of_sized(space, &forces, &forces.iter().map(|force| force.abs()).collect::<Vec<_>>())
     }
 
     fn largest_difference(a: &Self, b: &Self) -> f64 {
@@ -214,7 +217,10 @@ impl<'a> Integrals<'a> {
         }
         // v vanishes on Γ1.
         let free = space.mesh.dimension * space.nodes.free;
-        forces.map(|(_, [forces, sizes])| Sums::of_sized(space, &forces[..free], &sizes[..free]))
+        forces.map(|(_, [mut forces, sizes])| {
+            space.frames.without_support(&mut forces);
+            Sums::of_sized(space, &forces[..free], &sizes[..free])
+        })
     }
 
     /// Adds forces and the sizes of their terms, over nodes, at each time.

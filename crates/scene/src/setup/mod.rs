@@ -131,8 +131,9 @@ impl Setup {
     fn space_of(&self, element: Element, n: u32) -> Discretization {
         let domain = &self.body.domain;
         let mesh = domain.mesh(n);
-        let (clamped, contact) = (side_numbers(&domain.clamped), side_numbers(&domain.contact));
-        Discretization::of(element, mesh, &clamped, &contact)
+        let [clamped, symmetry, contact] =
+            [&domain.clamped, &domain.symmetry, &domain.contact].map(|sides| side_numbers(sides));
+        Discretization::with_symmetry(element, mesh, [&clamped, &symmetry, &contact])
     }
 
     /// Whether the lines of this mesh follow the boundaries of all regions.

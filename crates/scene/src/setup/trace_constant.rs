@@ -109,6 +109,7 @@ struct Asked {
     shape: Shape,
     size: Vec<f64>,
     clamped: Vec<u32>,
+    symmetry: Vec<u32>,
     contact: Vec<u32>,
     tensor: TensorField,
     part: TracePart,
@@ -133,6 +134,7 @@ pub fn trace_constant(
         shape: domain.shape.clone(),
         size: domain.size.clone(),
         clamped: side_numbers(&domain.clamped),
+        symmetry: side_numbers(&domain.symmetry),
         contact: side_numbers(&domain.contact),
         tensor: tensor.clone(),
         part,
@@ -178,7 +180,8 @@ impl Asked {
         for (element, n) in spaces(coarse.count(), coarse.dimension) {
             let mesh = coarse.refined(n, Family::Structured);
             let cells = mesh.cell_count();
-            let space = Discretization::of(element, mesh, &self.clamped, &self.contact);
+            let sides = [&self.clamped[..], &self.symmetry, &self.contact];
+            let space = Discretization::with_symmetry(element, mesh, sides);
             let square = [(self.part, TraceMass::Consistent)];
             let [found] = trace_constants(&space, &self.tensor, square)
                 .map_err(|source| SetupError::Constant { n, source })?;
@@ -230,18 +233,23 @@ impl Asked {
                 angle[mesh.cells[c][a] as usize] += sine.atan2(cosine);
             }
         }
-        let mut around: Vec<Vec<[bool; 2]>> = vec![Vec::new(); angle.len()];
+        let mut around: Vec<Vec<[bool; 3]>> = vec![Vec::new(); angle.len()];
         for BoundaryFacet { corners, side, .. } in &mesh.facets {
-            let what = [&self.clamped, &self.contact].map(|list| list.contains(side));
+            let lists = [&self.clamped, &self.symmetry, &self.contact];
+            let what = lists.map(|list| list.contains(side));
             corners.iter().for_each(|&v| around[v as usize].push(what));
         }
         let exponent = |v: usize| {
-            let clamped = around[v].iter().filter(|[clamped, _]| *clamped).count();
+            let of = |list: usize| around[v].iter().filter(|facet| facet[list]).count();
+            let [clamped, symmetry, _] = [0, 1, 2].map(of);
             let turns = angle[v] / PI;
             match around[v].len() {
                 0 => None,
-                // Clamped next to free.
+                // Clamped, or a plane of symmetry at more than a right angle, next to free.
                 count if clamped > 0 && clamped < count => Some(0.5 / turns),
+                count if turns > 0.5 + 1e-9 && symmetry > 0 && symmetry < count => {
+                    Some(0.5 / turns)
+                }
                 // From a crack, 1/2, to a straight line.
                 _ if turns > STRAIGHT => Some((1.9 - 0.9 * turns).clamp(0.5, 1.0)),
                 // Contact next to free: the load jumps, r log r.

@@ -104,6 +104,8 @@ fn heading_and_domain() {
         case("traction = [\"left\", \"right\"]", "traction = [\"left\"]", 6, 1, "no condition on the side right"),
         case("clamped = [\"top\"]", "clamped = [\"up\"]", 9, 12, "unknown value `up` of `clamped`"),
         case("clamped = [\"top\"]\ntraction = [\"left\", ", "traction = [\"left\", \"top\", ", 6, 1, "no side is clamped"),
+        case("clamped = [\"top\"]", "symmetry = [\"top\"]", 9, 12, "can move along its planes of symmetry"),
+        case("clamped = [\"top\"]", "clamped = [\"top\"]\nsymmetry = [\"top\"]", 10, 13, "the side `top` is in `clamped` and in `symmetry`"),
         case("mesh = { kind = \"structured\" }", "mesh = { kind = \"perturbed\", amplitude = 0.3, seed = 1 }", 12, 42, "outside [0, 0.25)"),
         case("mesh = { kind = \"structured\" }", "mesh = { kind = \"perturbed\", amplitude = 0.1 }", 12, 8, "needs the key `seed`"),
         case("mesh = { kind = \"structured\" }", "mesh = { kind = \"structured\", seed = 1 }", 12, 31, "takes no `seed`"),

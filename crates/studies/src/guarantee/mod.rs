@@ -142,6 +142,10 @@ fn covered(setup: &Setup) -> Result<(), GuaranteeError> {
             "the projection depends on ζ, the whole past, and its term is not convex in u",
         ),
         (model.friction.is_some(), "σ_τ = 0 on Γ3 is assumed; this scene has friction"),
+        (
+            !setup.body.domain.symmetry.is_empty(),
+            "the stress in equilibrium is made for clamped, loaded and contact sides, not for planes of symmetry",
+        ),
         (falls, "the law on Γ3 falls somewhere, so the problem is not convex"),
     ];
     let reason = beyond.into_iter().find_map(|(is, reason)| is.then_some(reason));

@@ -131,6 +131,7 @@ pub fn corners(body: &ContactScene) -> Vec<Corner> {
 fn conditions(domain: &Domain, side: Side, gap: bool) -> &'static [WedgeSide] {
     match () {
         () if domain.clamped.contains(&side) => &[WedgeSide::Clamped],
+        () if domain.symmetry.contains(&side) => &[WedgeSide::Sliding],
         () if gap && domain.contact.contains(&side) => &[WedgeSide::Free, WedgeSide::Sliding],
         () => &[WedgeSide::Free],
     }
