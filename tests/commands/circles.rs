@@ -48,14 +48,8 @@ const KNOWN: &[(&str, &str, usize, &str)] = &[
     (
         "report",
         "document",
-        23,
+        11,
         "the error of a report and the summary of a scene stand in the root that draws all of them",
-    ),
-    (
-        "report",
-        "chart",
-        6,
-        "axes, legend, marks and triangles are placed by all that a chart has, and the chart draws them",
     ),
     (
         "run",
