@@ -1,7 +1,10 @@
-//! Numbers in, verdicts out: records of cases, fitted orders, predictions judged. Knows no solver.
+#![doc = include_str!("../README.md")]
 
 pub mod claim;
 pub mod fit;
+mod order;
 pub mod record;
 pub mod table;
 pub mod verdict;
+
+pub use order::{Order, OrderError, Predicted, Verdict};

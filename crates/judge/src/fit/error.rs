@@ -8,7 +8,7 @@ pub(super) const LARGEST_LOG: f64 = 100.0;
 ///
 /// # Errors
 /// [`FitError::Log`].
-pub fn power_of_log(log: f64) -> Result<f64, FitError> {
+pub(super) fn power_of_log(log: f64) -> Result<f64, FitError> {
     if log.abs() <= LARGEST_LOG { Ok(log) } else { Err(FitError::Log(log)) }
 }
 

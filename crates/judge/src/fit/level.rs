@@ -7,7 +7,7 @@ use crate::record::is_magnitude;
 
 /// Largest relative standard deviation of an error. An error that is known to a factor of e^10 is not known; the sums of
 /// the evidence overflow only far beyond.
-pub const LARGEST_SIGMA: f64 = 10.0;
+pub(super) const LARGEST_SIGMA: f64 = 10.0;
 /// A level that is left out is not explained if its error, floor included, lies by more than this factor below what the
 /// others predict at least. One order more over a halving, beyond the interval of the order, makes a factor of 2.
 const FAR_BELOW: f64 = 4.0;

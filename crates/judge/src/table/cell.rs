@@ -198,7 +198,7 @@ pub(super) fn normal(name: &str) -> String {
     for command in ["\\textrm", "\\mathrm", "\\mathbf", "\\textbf", "\\text", "\\mbox", "\\bm"] {
         text = text.replace(command, "");
     }
-    text.retain(|c| c.is_ascii_alphanumeric());
+    text.retain(|c| c.is_ascii_alphanumeric() || ('α'..='ω').contains(&c));
     text
 }
 
@@ -241,6 +241,14 @@ pub(super) fn role(name: &str) -> Role {
     // A unit in brackets is no part of the name.
     let bare = name.split_once(['[', '(']).map_or(name, |(bare, _)| bare);
     let normalised = if normal(bare).is_empty() { normal(name) } else { normal(bare) };
+    // `max dt` is a time step.
+    if let Some((word, rest)) = bare.trim().split_once([' ', '_'])
+        && ["max", "min", "mean", "avg"].contains(&word.to_lowercase().as_str())
+        && let Some(&role) = KNOWN.get(&*normal(rest))
+        && matches!(role, Role::Space(_) | Role::Time(_))
+    {
+        return role;
+    }
     // `h||` is what is left of a norm.
     let bars = name.contains("||") || name.contains('‖');
     if let Some(&role) = KNOWN.get(&*normalised).filter(|_| !bars) {

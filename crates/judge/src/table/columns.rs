@@ -174,6 +174,18 @@ impl<'a> Reader<'a> {
         let names: Vec<&str> = block.names.iter().map(String::as_str).collect();
         let mut roles: Vec<Role> = names.iter().map(|name| role(name)).collect();
         let missing = |what: String| TableError::at(block.line, what);
+        // Beside errors an energy that hardly changes is a value: an error that is refined twice changes by more than a tenth.
+        let errors = names.iter().any(|name| normal(name).contains("err"));
+        for at in (0..roles.len()).filter(|&at| errors && normal(names[at]) == "energy") {
+            let sizes =
+                block.rows.iter().filter_map(|row| Some(number(&row.cells[at])?.value.abs()));
+            let sizes: Vec<f64> = sizes.collect();
+            let [least, most] =
+                [f64::min, f64::max].map(|of| sizes.iter().copied().reduce(of).unwrap_or(f64::NAN));
+            if sizes.len() > 2 && most < 1.1 * least {
+                roles[at] = Role::Unknown;
+            }
+        }
         for asked in &reading.errors {
             // Of a table with a column `norm` it is the name of one.
             if let Ok(at) = named(asked, &names)
@@ -200,6 +212,16 @@ impl<'a> Reader<'a> {
             if number_wanted && block.rows.iter().all(words) {
                 let any = block.rows.iter().any(|row| !is_missing(&row.cells[at]));
                 *role = if any { Role::Parameter } else { Role::Ignored };
+            }
+        }
+        // Sizes that are printed again before each error are read once.
+        for at in 1..roles.len() {
+            let same = |before: usize| {
+                names[before] == names[at]
+                    && block.rows.iter().all(|row| row.cells[before] == row.cells[at])
+            };
+            if matches!(roles[at], Role::Space(_) | Role::Time(_)) && (0..at).any(same) {
+                roles[at] = Role::Ignored;
             }
         }
         // `norm` of numbers is an error.
@@ -301,7 +323,7 @@ impl<'a> Reader<'a> {
                     "no column of errors among {}: --p {first}=2 makes `{first}` one",
                     listed(&columns)
                 ),
-                _ => "no column of errors: call one `error`, or by its norm, `L2`".into(),
+                _ => "no column of errors: call one `error`, or by its norm, `L2`, or `value` if none is known".into(),
             });
         }
         self.left_out = (0..self.roles.len())

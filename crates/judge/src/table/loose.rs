@@ -13,6 +13,11 @@ const JOINED: [&str; 2] = ["\u{e000}", "\u{e001}"];
 
 /// `name = value` and `name: value` of a line, in order, and `l-2 0.25` for a norm; what stands between is passed over.
 fn pairs(line: &str) -> Vec<(String, String)> {
+    // `[solver 0] N = 8`: what stands in brackets before a line of a log is no name.
+    let mut line = line.trim_start();
+    while let Some((_, behind)) = line.strip_prefix('[').and_then(|tag| tag.split_once(']')) {
+        line = behind.trim_start();
+    }
     // `L2(0,T;L2)` is one name, `(h=1, e=2)` are two.
     let mut parts: Vec<String> = line.split_inclusive(')').map(str::to_owned).collect();
     for part in parts.iter_mut().filter(|part| part.ends_with(')')) {
@@ -201,6 +206,49 @@ pub(super) fn assigned(text: &str) -> Vec<Block> {
         Some(line) => vec![Block::of_columns(line, end, columns)],
         None => Vec::new(),
     }
+}
+
+/// Rows below a rule of dashes with gaps, `----  ----`, which says where each column stands: cells may be empty there.
+pub(super) fn ruled(text: &str) -> Vec<Block> {
+    let lines: Vec<Vec<char>> =
+        text.lines().map(|line| line.trim_end().chars().collect()).collect();
+    let mut found = Vec::new();
+    for (at, rule) in lines.iter().enumerate().filter(|(_, rule)| rule.contains(&' ')) {
+        let drawn = |c: &char| "-= ".contains(*c);
+        let blank = |before: usize| before == 0 || rule[before - 1] == ' ';
+        let starts: Vec<usize> =
+            (0..rule.len()).filter(|&place| rule[place] != ' ' && blank(place)).collect();
+        if at == 0 || starts.len() < 2 || !rule.iter().all(drawn) {
+            continue;
+        }
+        let ends = starts[1..].iter().copied().chain([usize::MAX]);
+        let columns: Vec<(usize, usize)> = starts.iter().copied().zip(ends).collect();
+        let cells = |line: &Vec<char>| -> Option<Vec<String>> {
+            let parted =
+                starts.iter().all(|&at| at == 0 || line.get(at - 1).is_none_or(|c| *c == ' '));
+            let cell = |&(start, end): &(usize, usize)| {
+                let length = end.min(line.len()).saturating_sub(start);
+                let cell: String = line.iter().skip(start).take(length).collect();
+                cell.trim().to_owned()
+            };
+            (parted && !line.is_empty()).then(|| columns.iter().map(cell).collect())
+        };
+        let Some(names) = cells(&lines[at - 1]) else { continue };
+        let below = lines.iter().enumerate().skip(at + 1);
+        let row = |(at, line): (usize, &Vec<char>)| {
+            let cells = cells(line).filter(|cells| cells.iter().any(|c| number(c).is_some()))?;
+            Some(Cells { line: at as u64 + 1, cells })
+        };
+        let rows: Vec<Cells> = below.map_while(row).collect();
+        // Where no cell is empty, blanks part them.
+        let empty = |row: &Cells| row.cells.iter().any(String::is_empty);
+        if rows.iter().any(empty) {
+            let above = lines[..at - 1].iter().rev().find(|line| !line.is_empty());
+            let title = above.map_or(String::new(), |line| line.iter().collect());
+            found.push(Block { title, ..Block::of_rows(at as u64, names, rows) });
+        }
+    }
+    found
 }
 
 /// A table on its side: every line is a name and its numbers.

@@ -194,7 +194,7 @@ fn what_is_no_table_is_refused() {
         assert!(refused.starts_with(words) || refused.contains(words), "{text}: {refused}");
     }
     for (text, words) in [
-        ("h,error,h\n1,1,1\n", "1: a column stands twice: `h` is column 1, `h` column 3"),
+        ("h,error,h\n1,1,2\n", "1: a column stands twice: `h` is column 1, `h` column 3"),
         ("h,error,err\n1,1,1\n", "`error` is column 2, `err` column 3"),
         ("h,error,floor,floor\n1,1,0,1\n", "`floor` is column 3"),
         ("h,L2,L2\n1,1,1\n", "`L2` is column 2, `L2` column 3"),

@@ -82,7 +82,7 @@ pub(super) enum Kind {
 }
 
 /// The ways to cut a text into blocks.
-const WAYS: [fn(&str) -> Vec<Block>; 13] = [
+const WAYS: [fn(&str) -> Vec<Block>; 14] = [
     loose::arrays,
     loose::assigned,
     loose::across,
@@ -91,6 +91,7 @@ const WAYS: [fn(&str) -> Vec<Block>; 13] = [
     |text| blocks(text, Separator::Character('\t')),
     |text| blocks(text, Separator::Character(';')),
     |text| blocks(text, Separator::Character(',')),
+    loose::ruled,
     |text| blocks(text, Separator::Blanks),
     |text| loose::records(text, Records::Lines),
     |text| loose::records(text, Records::BySize),
@@ -347,7 +348,12 @@ fn blocks(text: &str, separator: Separator) -> Vec<Block> {
                     // A row that somebody has taken out.
                     left_out.extend((numbers(&names) > 1).then_some(line.number));
                 }
-                _ if begins == Some(true) && !alike && is_summary(line.text) => {
+                // `EOC  h  L2` are the names of another table.
+                _ if begins == Some(true)
+                    && !alike
+                    && is_summary(line.text)
+                    && !line.cells.iter().any(|cell| is_size(cell)) =>
+                {
                     left_out.push(line.number)
                 }
                 // Where cells are parted by a character, a row is one after a blank line too.

@@ -111,7 +111,7 @@ pub struct Ruling {
 
 impl Ruling {
     /// Whether a further level would help.
-    pub fn is_helped(&self) -> bool {
+    pub(crate) fn is_helped(&self) -> bool {
         self.decision == Decision::Unresolved && !self.too_high && !self.unexplained
     }
 }

@@ -2,7 +2,7 @@
 
 /// Relative difference of an error between machines: elementary functions and fused products differ by 1e-16, amplified
 /// by the condition of the system (1e5 on the finest meshes) and by cancellation in errors of 1e-5 of the solution.
-pub const REPEATED_WITHIN: f64 = 1e-6;
+pub(super) const REPEATED_WITHIN: f64 = 1e-6;
 /// Floors by which two runs may differ near the floor: one each, and a factor of safety …
 const FLOORS_APART: f64 = 4.0;
 /// … but a deviation of one percent never passes.
