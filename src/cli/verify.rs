@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::Duration;
 
-use clap::Args;
+use clap::{Args, ValueEnum};
 use serde::Serialize;
 use serde_json::json;
 
@@ -19,8 +19,8 @@ use judge::record::{CaseRecord, Key};
 use judge::verdict::{Failure, failures};
 use report::write_junit;
 use run::external::{
-    ExternalSolver, LOG, Way, case_dir, last_lines, look_for_cause, on_pressures, solver_first,
-    write_case,
+    ExternalSolver, LOG, Way, by_density, case_dir, last_lines, look_for_cause, on_pressures,
+    solver_first, write_case,
 };
 use run::plan_for;
 use run::sweep::{
@@ -35,7 +35,7 @@ const WIDTH: usize = 400;
 /// `sweep verify`.
 #[derive(Args)]
 #[command(
-    after_help = "Each case is a directory SCENE/nN-NSTEPS, below DIR/cases of --out or below the directory of --export, with mesh, times, loads and numbers; its README.md says what the files mean and what the solver has to write: displacement.npy, (N + 1) x vertices x d, or displacement.csv. CMD gets the directory as its last argument. A case fails if the solver fails, runs too long, or writes an array of the wrong shape or with NaN or infinity in it.\n\nThe displacements are measured as functions of the scene's element on the mesh given, P2 with midpoints as further vertices; stresses are those of this program's laws. Constants are judged for that element and the scene's time rule; a solver of another kind needs --orders-only.\n\nExamples:\n  sweep verify viscoelastic --solver 'python3 solver.py'\n  sweep verify viscoelastic --export cases        write the cases, solve elsewhere, then\n  sweep verify viscoelastic --results cases\n\nJSON keys with --json: those of sweep run, pressures (claims that need them, or pressures that no claim needs; else null), cause (where a verdict does not pass: cause, says, numbers, fits; else null), and beside, with --beside: n, steps, norm, solver, own, difference (relative). Exit codes as of sweep run: 0 all verdicts pass, 1 one does not, 2 nothing could be judged."
+    after_help = "Each case is a directory SCENE/nN-NSTEPS, below DIR/cases of --out or below the directory of --export, with mesh, times, loads and numbers; its README.md says what the files mean and what the solver has to write: displacement.npy, (N + 1) x vertices x d, or displacement.csv. CMD gets the directory as its last argument. A case fails if the solver fails, runs too long, or writes an array of the wrong shape or with NaN or infinity in it.\n\nThe displacements are measured as functions of the scene's element on the mesh given, P2 with midpoints as further vertices; stresses are those of this program's laws. Constants are judged for that element and the scene's time rule; a solver of another kind needs --orders-only.\n\nExamples:\n  sweep verify viscoelastic --solver 'python3 solver.py'\n  sweep verify viscoelastic --export cases        write the cases, solve elsewhere, then\n  sweep verify viscoelastic --results cases\n\nJSON keys with --json: those of sweep run, pressures (claims that need them, or pressures that no claim needs; else null), cause (where a verdict does not pass, or loads handed over as functions are wrong: cause, says, numbers, fits; else null), and beside, with --beside: n, steps, norm, solver, own, difference (relative). Exit codes as of sweep run: 0 all verdicts pass, 1 one does not, 2 nothing could be judged."
 )]
 pub(crate) struct Verify {
     /// Name of a scene with an exact solution, or path of a TOML file
@@ -64,6 +64,10 @@ pub(crate) struct Verify {
     /// Also measure the pressures, which the solver writes to pressure.npy
     #[arg(long)]
     pressure: bool,
+    /// How loads are handed over: assembled, or also as functions, values of f0 and f2 at quadrature points, which the
+    /// solver assembles itself
+    #[arg(long, value_name = "FORM", value_enum, default_value = "assembled")]
+    loads: Loads,
     /// Judge only the orders, not the constants, because the solver uses another element or time rule
     #[arg(long)]
     orders_only: bool,
@@ -83,6 +87,13 @@ pub(crate) struct Verify {
     /// Print JSON
     #[arg(long)]
     json: bool,
+}
+
+/// How loads are handed over.
+#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum Loads {
+    Assembled,
+    Density,
 }
 
 impl Verify {
@@ -166,7 +177,10 @@ impl Verify {
 
     /// The cases by a scheme.
     fn plan(&self, scenes: &Scenes, scheme: Arc<dyn Scheme>) -> Result<ScenePlan, CliError> {
-        let scene = scenes.scene(&self.scene)?;
+        let mut scene = scenes.scene(&self.scene)?;
+        if self.loads == Loads::Density {
+            scene = by_density(scene)?;
+        }
         admit_constants(&scene, false, &self.allowance.limit())?;
         let plan = plan_for(scheme, scene, &self.grid.overrides(), self.pressure)?;
         if plan.cases.is_empty() {
@@ -202,7 +216,11 @@ impl Verify {
 
     /// The memory of an external solver does not count.
     fn machine(&self) -> Machine {
-        let flags = [(self.pressure, "--pressure"), (self.orders_only, "--orders-only")];
+        let flags = [
+            (self.pressure, "--pressure"),
+            (self.loads == Loads::Density, "--loads density"),
+            (self.orders_only, "--orders-only"),
+        ];
         let given = flags.into_iter().filter(|(given, _)| *given).map(|(_, flag)| flag);
         let options = std::iter::once("verify").chain(given).collect::<Vec<_>>().join(" ");
         let (jobs, memory) = (usize::from(self.jobs), self.allowance.limit());
