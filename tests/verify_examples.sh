@@ -35,6 +35,8 @@ beside scikit-fem "$solver" viscoelastic
 beside scikit-fem "$solver" signorini --pressure
 beside scikit-fem "$solver" quadratic-elastic
 beside scikit-fem "$solver" tests/independent/quadratic-signorini.toml --pressure
+beside "scikit-fem, loads of its own," "$solver --assemble" viscoelastic --loads density
+beside "scikit-fem, loads of its own," "$solver --assemble" state-grazing --pressure --loads density
 begin="$python docs/solvers/numpy_p1.py"
 beside "numpy alone" "$begin" viscoelastic
 beside "numpy alone" "$begin" prony
@@ -79,6 +81,27 @@ named "the loads are those of the level before" prony 's/self.loads\[n\]/self.lo
 named "the tensors of elasticity and memory" viscoelastic 's/return 2 \* law/return law/' --n 8,16,32
 named "contact: 1.0500 times the gap" state-instant 's/self.gap, self.weight = /&1.05 * /' --pressure
 named "pressures: forces of the vertices" state-instant 's,residual / self.weight,residual,' --pressure
+
+# assembled CAUSE SCENE EDIT: the same of loads that it assembles; orders may pass, but the cause is named.
+assembled() {
+    local cause=$1 scene=$2 edit=$3
+    echo "$scene, loads assembled with a mistake: $edit"
+    sed "$edit" docs/solvers/scikit_fem.py >"$out/wrong.py"
+    ! cmp -s "$out/wrong.py" docs/solvers/scikit_fem.py
+    status=0
+    "$sweep" verify "$scene" --loads density --solver "$python $out/wrong.py --assemble" --out "$out/wrong" >"$out.log" 2>&1 || status=$?
+    echo "  exit code $status"
+    grep "^cause: the loads.*$cause" "$out.log" || {
+        cat "$out.log"
+        echo "verify: no cause: $cause" >&2
+        exit 1
+    }
+}
+for scene in viscoelastic state-grazing; do
+    assembled "all other rows balance" "$scene" 's/^    for name, nodes, measure in/    length[3] = 0\n&/'
+    assembled "are lumped: cells and facets" "$scene" 's/rule\[:, :-1\], values/np.full_like(rule[:, :-1], 1 \/ nodes.shape[1]), values/'
+    assembled "facets take point 2 of their rule alone" "$scene" 's/^        # Barycentric/        if name == "facet":\n            rule[:, -1] = np.arange(len(rule)) == 2\n&/'
+done
 
 echo "friction by coordinate descent: the values that the tests compare with"
 "$python" tests/independent/tresca.py 8 6 tests/fixtures/tresca.json

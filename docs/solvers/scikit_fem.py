@@ -1,11 +1,11 @@
 """One case of `sweep verify` with scikit-fem: linear viscoelasticity, with or without an obstacle, by linear or quadratic
 elements.
 
-    python scikit_fem.py [--rule trapezoid|rectangle] DIRECTORY
+    python scikit_fem.py [--rule trapezoid|rectangle] [--assemble] DIRECTORY
 
 Reads the files of DIRECTORY (its README.md says what they mean) and writes displacement.npy and,
 where there is contact, pressure.npy. `--rule rectangle` is a deliberate mistake: memory integrals by the
-left-hand rectangle rule, of order 1.
+left-hand rectangle rule, of order 1. `--assemble` takes the loads as functions (`sweep verify --loads density`).
 
     pip install scikit-fem==12.0.2 scipy numpy
 """
@@ -51,12 +51,25 @@ def basis_and_unknowns(name, points, cells):
     return basis, unknowns.ravel()
 
 
+def assembled(directory, cells, facets, area, length, size):
+    """∫ f0·v + ∫ f2·v of all levels for linear elements, from the values at the points of the rules."""
+    loads = 0
+    for name, nodes, measure in [("cell", cells, area), ("facet", facets, length)]:
+        rule, values = np.load(directory / f"{name}_rule.npy"), np.load(directory / f"{name}_loads.npy")
+        # Barycentric coordinates are the hat functions; the last column has the weights.
+        shares = np.einsum("s,q,qa,nsqi->nsai", measure, rule[:, -1], rule[:, :-1], values)
+        part = np.zeros((len(values), size, values.shape[-1]))
+        np.add.at(part, (slice(None), nodes), shares)
+        loads = loads + part
+    return loads.reshape(len(loads), -1)
+
+
 def table(path):
     return np.genfromtxt(path, delimiter=",", names=True, dtype=None, encoding="utf-8", ndmin=1)
 
 
 class Case:
-    def __init__(self, directory):
+    def __init__(self, directory, assemble):
         self.directory = directory
         self.case = json.loads((directory / "case.json").read_text())
         self.refuse_what_is_not_here()
@@ -72,8 +85,21 @@ class Case:
         self.free = np.flatnonzero(np.repeat(vertices["clamped"] == 0, 2))
         self.times = np.load(directory / "times.npy")
         self.kernels = np.load(directory / "kernels.npy") if self.memory else []
-        self.loads = np.load(directory / "loads.npy").reshape(len(self.times), -1)
+        if assemble:
+            self.assemble(points, cells)
+        else:
+            self.loads = np.load(directory / "loads.npy").reshape(len(self.times), -1)
         self.read_contact()
+
+    def assemble(self, points, cells):
+        if self.case["element"] != "P1":
+            raise SystemExit("this solver assembles loads for linear elements alone")
+        rows = table(self.directory / "facets.csv")
+        facets = np.stack([rows["v0"], rows["v1"]], axis=1)
+        a, b, c = (points[:, corner] for corner in cells)
+        area = 0.5 * np.abs((b - a)[0] * (c - a)[1] - (b - a)[1] * (c - a)[0])
+        length = np.linalg.norm(np.diff(points[:, facets], axis=2)[..., 0], axis=0)
+        self.loads = assembled(self.directory, cells.T, facets, area, length, points.shape[1])
 
     def refuse_what_is_not_here(self):
         case = self.case
@@ -152,9 +178,10 @@ class Case:
 def main():
     parser = argparse.ArgumentParser()
     parser.add_argument("--rule", choices=["trapezoid", "rectangle"], default="trapezoid")
+    parser.add_argument("--assemble", action="store_true")
     parser.add_argument("directory", type=Path)
     arguments = parser.parse_args()
-    case = Case(arguments.directory)
+    case = Case(arguments.directory, arguments.assemble)
     u, pressure = case.march(arguments.rule)
     np.save(arguments.directory / "displacement.npy", u)
     if case.rows:

@@ -35,5 +35,6 @@ def verify(
     steps: Sequence[int] | None,
     pressure: bool,
     orders_only: bool,
+    density: bool,
     out: PathLike[str] | str | None,
 ) -> str: ...

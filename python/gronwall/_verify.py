@@ -17,6 +17,9 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 
+DENSITIES = ("cell_rule", "cell_loads", "facet_rule", "facet_loads")
+
+
 def scenes() -> dict[str, str]:
     """Names of the scenes with the question that each asks."""
     return dict(_native.scenes())
@@ -60,6 +63,10 @@ class Case:
         The load functional on each hat function.
     friction : ndarray or None
         (N + 1, rows of Gamma3), the factor of the bound of friction.
+    cell_rule, facet_rule : ndarray or None
+        (points, barycentric coordinates and the weight), where loads are functions: ``loads="density"``.
+    cell_loads, facet_loads : ndarray or None
+        (N + 1, cells or facets, points, d), f0 and f2 at the points of the rules.
     """
 
     scene: str
@@ -79,6 +86,10 @@ class Case:
     loads: NDArray[Any]
     friction: NDArray[Any] | None = None
     symmetry: dict[str, NDArray[Any]] | None = None
+    cell_rule: NDArray[Any] | None = None
+    cell_loads: NDArray[Any] | None = None
+    facet_rule: NDArray[Any] | None = None
+    facet_loads: NDArray[Any] | None = None
 
 
 def verify(
@@ -89,6 +100,7 @@ def verify(
     steps: Sequence[int] | None = None,
     pressure: bool = False,
     orders_only: bool = False,
+    loads: str = "assembled",
     out: str | PathLike[str] | None = None,
 ) -> list[Verdict]:
     """Put a solver under the sweep of a scene: errors, orders and constants are judged as by ``sweep verify``.
@@ -106,6 +118,8 @@ def verify(
         The solver gives pressures: they are judged too, and a warning says where no claim of the scene needs them.
     orders_only : bool
         Judge orders and not their constants: for other elements or time rules.
+    loads : str
+        "density": f0 and f2 at quadrature points are given as well, for solvers that assemble them.
     out : path, optional
         A directory for ``cases.csv``.
 
@@ -123,6 +137,9 @@ def verify(
     """
     import numpy
 
+    if loads not in ("assembled", "density"):
+        raise ValueError(f'loads={loads!r}: "assembled" or "density"')
+
     def answer(raw: dict[str, Any]) -> Any:
         case = _case(raw, numpy)
         found = solve(case)
@@ -136,7 +153,7 @@ def verify(
         )
 
     lists = [None if values is None else [operator.index(value) for value in values] for values in (n, steps)]
-    document = json.loads(_native.verify(scene, answer, *lists, pressure, orders_only, out))
+    document = json.loads(_native.verify(scene, answer, *lists, pressure, orders_only, loads == "density", out))
     rows = document["verdicts"]
     if pressure and not any(row["norm"].startswith("pressure") for row in rows):
         warnings.warn(f"no claim of {scene} needs the pressures: no verdict judges them", stacklevel=2)
@@ -175,8 +192,8 @@ def _case(raw: dict[str, Any], numpy: Any) -> Case:
         times=array("times"),
         kernels=array("kernels") if "kernels" in raw else None,
         loads=array("loads"),
-        friction=array("friction") if "friction" in raw else None,
         symmetry={"vertex": array("symmetry_vertices"), "normal": array("symmetry_normals")},
+        **{name: array(name) for name in ("friction", *DENSITIES) if name in raw},
     )
 
 

@@ -3,7 +3,7 @@
 use bytemuck::{cast_slice, pod_collect_to_vec};
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict};
-use run::external::{Array, Given};
+use run::external::{Array, DENSITIES, Given};
 use scene::setup::MeshData;
 
 /// Doubles in native byte order.
@@ -52,6 +52,9 @@ pub fn case<'py>(py: Python<'py>, given: &Given, data: &MeshData) -> PyResult<Bo
     let array = |name: &str, array: &Array| doubles(name, &array.shape, &array.numbers);
     given.kernels.iter().try_for_each(|kernels| array("kernels", kernels))?;
     given.friction.iter().try_for_each(|friction| array("friction", friction))?;
+    for (name, values) in DENSITIES.iter().zip(given.densities.iter().flatten()) {
+        array(name, values)?;
+    }
     array("loads", &given.loads)?;
     case.set_item("json", given.document.to_string())?;
     Ok(case)

@@ -14,7 +14,7 @@ use judge::record::CaseRecord;
 use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict};
-use run::external::{Answer, Given, InProcess, Solve};
+use run::external::{Answer, Given, InProcess, Solve, by_density};
 use run::sweep::Progress;
 use scene::setup::MeshData;
 
@@ -39,10 +39,15 @@ pub fn verify(
     steps: Option<Vec<u32>>,
     pressure: bool,
     orders_only: bool,
+    density: bool,
     out: Option<PathBuf>,
 ) -> PyResult<String> {
     let registry = gronwall::shipped::scenes();
-    let mut sweep = Sweep::of(registry.load(scene).map_err(refused)?);
+    let mut scene = registry.load(scene).map_err(refused)?;
+    if density {
+        scene = by_density(scene).map_err(refused)?;
+    }
+    let mut sweep = Sweep::of(scene);
     if let Some(n) = n {
         sweep = sweep.n(&n);
     }

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::Duration;
 
-use clap::Args;
+use clap::{Args, ValueEnum};
 use serde::Serialize;
 use serde_json::json;
 
@@ -19,8 +19,8 @@ use judge::record::{CaseRecord, Key};
 use judge::verdict::{Failure, failures};
 use report::{json_table, write_junit};
 use run::external::{
-    ExternalSolver, LOG, Way, case_dir, last_lines, look_for_cause, on_pressures, solver_first,
-    write_case,
+    ExternalSolver, LOG, Way, by_density, case_dir, last_lines, look_for_cause, on_pressures,
+    solver_first, write_case,
 };
 use run::plan_for;
 use run::sweep::{
@@ -64,6 +64,10 @@ pub(crate) struct Verify {
     /// Also measure the pressures, which the solver writes to pressure.npy
     #[arg(long)]
     pressure: bool,
+    /// How loads are handed over: assembled, or also as functions, values of f0 and f2 at quadrature points, which the
+    /// solver assembles itself
+    #[arg(long, value_name = "FORM", value_enum, default_value = "assembled")]
+    loads: Loads,
     /// Judge only the orders, not the constants, because the solver uses another element or time rule
     #[arg(long)]
     orders_only: bool,
@@ -83,6 +87,13 @@ pub(crate) struct Verify {
     /// Print JSON
     #[arg(long)]
     json: bool,
+}
+
+/// How loads are handed over.
+#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum Loads {
+    Assembled,
+    Density,
 }
 
 impl Verify {
@@ -167,7 +178,10 @@ impl Verify {
 
     /// The cases by a scheme.
     fn plan(&self, scenes: &Scenes, scheme: Arc<dyn Scheme>) -> Result<ScenePlan, CliError> {
-        let scene = scenes.scene(&self.scene)?;
+        let mut scene = scenes.scene(&self.scene)?;
+        if self.loads == Loads::Density {
+            scene = by_density(scene)?;
+        }
         admit_constants(&scene, false, &self.allowance.limit())?;
         let plan = plan_for(scheme, scene, &self.grid.overrides(), self.pressure)?;
         if plan.cases.is_empty() {
@@ -203,7 +217,11 @@ impl Verify {
 
     /// The memory of an external solver does not count.
     fn machine(&self) -> Machine {
-        let flags = [(self.pressure, "--pressure"), (self.orders_only, "--orders-only")];
+        let flags = [
+            (self.pressure, "--pressure"),
+            (self.loads == Loads::Density, "--loads density"),
+            (self.orders_only, "--orders-only"),
+        ];
         let given = flags.into_iter().filter(|(given, _)| *given).map(|(_, flag)| flag);
         let options = std::iter::once("verify").chain(given).collect::<Vec<_>>().join(" ");
         let (jobs, memory) = (usize::from(self.jobs), self.allowance.limit());

@@ -283,13 +283,15 @@ fn the_pages_stay_short() {
     assert!(all <= LONGEST, "{all} words: {counts:?}");
 }
 
-/// A page without a matrix that a test writes (tests/sabotage/protocol.rs).
+/// A page without the tables that tests write (tests/sabotage/protocol.rs).
 fn by_hand(page: &str) -> String {
-    let matrix = page.find("| mistake |").map_or("", |from| {
-        let rest = &page[from..];
-        &rest[..rest.find("\n\n").unwrap_or(rest.len())]
-    });
-    page.replace(matrix, "")
+    ["| mistake |", "| penalty |"].iter().fold(page.to_owned(), |page, head| {
+        let table = page.find(head).map_or("", |from| {
+            let rest = &page[from..];
+            &rest[..rest.find("\n\n").unwrap_or(rest.len())]
+        });
+        page.replace(table, "")
+    })
 }
 
 /// Words of all pages that are written by hand.

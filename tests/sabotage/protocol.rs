@@ -33,7 +33,7 @@ const IN_SPACE: &[(&str, &str)] = &[(
 )];
 
 /// The columns. On its mesh of eight `signorini` has floors under its pressure: zones that cut cells.
-const SCENES: [Row; 12] = [
+const SCENES: [Row; 13] = [
     ("viscoelastic", &[], &[8, 16, 32], &[16]),
     ("prony", &[], &[2], &[4, 8, 16, 32, 64]),
     ("signorini", &[], &[16, 32, 64], &[8]),
@@ -46,13 +46,14 @@ const SCENES: [Row; 12] = [
     ("friction-front", IN_SPACE, &[8, 16, 32], &[8]),
     ("friction-coulomb", IN_SPACE, &[8, 16, 32], &[8]),
     ("friction-time", &[], &[2], &[6, 12, 24, 48, 96]),
+    ("friction-box-time", &[], &[2], &[6, 12, 24, 48, 96]),
 ];
 
 /// A mistake of the catalogue, in other words where they say more to the author of a solver.
 type Mistake = (&'static str, Option<&'static str>);
 
 /// The scene that sees all mistakes of its group.
-const MISTAKES: [(&str, &[Mistake]); 8] = [
+const MISTAKES: [(&str, &[Mistake]); 9] = [
     (
         "viscoelastic",
         &[
@@ -148,6 +149,13 @@ const MISTAKES: [(&str, &[Mistake]); 8] = [
                 Some("constant bound of friction where it follows p"),
             ),
         ],
+    ),
+    (
+        "friction-box-time",
+        &[(
+            "a box of friction stresses in place of the ball, KKT system not checked",
+            Some("friction along each axis by itself, not along the slip"),
+        )],
     ),
 ];
 
@@ -443,4 +451,46 @@ fn every_mistake_fails_a_claim_of_the_recommended_scene() {
         })
         .collect();
     assert!(unnamed.is_empty(), "{unnamed:#?}");
+}
+
+/// How stiff a penalty: the table of docs/GALLERY.md.
+#[test]
+fn penalties_leave_what_the_gallery_says() {
+    let row = SCENES.iter().find(|row| row.0 == "signorini").expect("a scene");
+    let stage = Stage::new(row);
+    let meshes: Vec<String> = row.2.iter().map(|n| format!(" n = {n} |")).collect();
+    let mut text =
+        format!("| penalty |{}\n|---|{}\n", meshes.concat(), "---|".repeat(meshes.len()));
+    let errors = |mistake: &Defect| -> Vec<f64> {
+        let records = stage.answered(mistake);
+        let of = |record: &CaseRecord| record.norm("trace_L2_max").and_then(|entry| entry.error);
+        records.iter().map(|record| of(record).expect("an error")).collect()
+    };
+    let mut all = Vec::new();
+    for (words, name) in [
+        ("30", Some("penalty 30 in place of the constraint")),
+        ("100", Some("penalty 100 in place of the constraint")),
+        ("1e3", Some("penalty 1e3 in place of the constraint")),
+        ("1e4", Some("penalty 1e4 in place of the constraint")),
+        ("none, the constraint", None),
+    ] {
+        let found = errors(&name.map_or(Defect::SOUND, mistake));
+        let cells: Vec<String> = found.iter().map(|error| format!(" {error:.1e} |")).collect();
+        let _ = writeln!(text, "| {words} |{}", cells.concat());
+        all.push(found);
+    }
+    println!("{text}");
+    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/docs/GALLERY.md");
+    let document = std::fs::read_to_string(path).expect("a document");
+    let from = document.find("| penalty |").expect("the table");
+    let length = document[from..].find("\n\n").map_or(document.len() - from, |end| end + 1);
+    if std::env::var_os(WRITE).is_some() {
+        std::fs::write(path, document.replace(&document[from..from + length], &text)).expect(path);
+    } else {
+        assert_eq!(document[from..from + length], text, "docs/GALLERY.md: make sabotage");
+    }
+    // A compliance of 1/c adds an error of order 1/c, which no mesh takes away.
+    let finest = |row: &[f64]| row[row.len() - 1];
+    let [soft, .., constraint] = &all[..] else { panic!("rows") };
+    assert!(finest(soft) > 2.0 * finest(constraint), "{all:?}");
 }

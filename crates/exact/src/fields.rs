@@ -6,12 +6,11 @@ use pulp::{Simd, WithSimd};
 
 use super::constitutive::{Tensor, mandel, stress};
 use super::exact::Exact;
-use super::facet_group::FacetGroup;
 use super::lanes::{Lanes, WIDTH};
-use super::nodal_force::{add_means, facet_measure};
+use super::nodal_force::add_means;
 use super::onto::{Onto, append};
 use super::sampled::{Sampled, tensor_names, vector_names};
-use super::shapes::{MOST_NODES, Shapes, Work};
+use super::shapes::Work;
 use fem::contact::{Discretization, LoadError};
 use fem::space::quadrature::Rule;
 use formula::Program;
@@ -65,76 +64,6 @@ impl Fields<'_> {
             add_means::<D>((space, &work), cells.clone(), &means, &mut force);
         })?;
         Ok(force)
-    }
-
-    /// ∫ f0·v, over all nodes.
-    pub(crate) fn body_force<const D: usize>(
-        &self,
-        points: &Sampled,
-    ) -> Result<Vec<f64>, LoadError> {
-        let space = self.space;
-        let (mut force, rule) = (vec![0.0; space.nodes.len()], &points.rule);
-        let functions = Shapes::of_cell(space.element, D);
-        let shape: Vec<_> = rule.points.iter().map(|b| functions.at(b)).collect();
-        let names = vector_names("f0", D);
-        let at = (self.t, self.zeta);
-        points.each_block(&space.mesh, &self.exact.forces, at, &names, |cells, values| {
-            for (index, c) in cells.clone().enumerate() {
-                let mut at_nodes = [[0.0; D]; MOST_NODES];
-                for (q, weight) in rule.weights.iter().enumerate() {
-                    let value: [f64; D] =
-                        std::array::from_fn(|i| weight * values[i][cells.len() * q + index]);
-                    for (at_node, shape) in at_nodes.iter_mut().zip(&shape[q]) {
-                        at_node
-                            .iter_mut()
-                            .zip(&value)
-                            .for_each(|(sum, value)| *sum += shape * value);
-                    }
-                }
-                let measure = space.geometry.measure[c];
-                for (&node, at_node) in space.cell_nodes(c).iter().zip(&at_nodes) {
-                    let force = &mut force[D * node as usize..][..D];
-                    force.iter_mut().zip(at_node).for_each(|(force, sum)| *force += measure * sum);
-                }
-            }
-        })?;
-        Ok(force)
-    }
-
-    /// Adds ∫ (σν)·v over a group of facets.
-    pub(crate) fn add_boundary_stress<const D: usize>(
-        &self,
-        group: &FacetGroup,
-        force: &mut [f64],
-    ) -> Result<(), LoadError> {
-        let (space, rule, mut memory) = (self.space, &group.strains.rule, Vec::new());
-        let functions = Shapes::of_facet(space.element, D);
-        let shape: Vec<_> = rule.points.iter().map(|b| functions.at(b)).collect();
-        let (program, names) = self.inside();
-        let at = (self.t, 0.0);
-        let visit = |facets: Range<usize>, values: &[&[f64]]| {
-            for (local, index) in facets.clone().enumerate() {
-                let (facet, region) = (group.mesh_facets[index], group.regions[index]);
-                let material = self.exact.material_in(region);
-                let measure = facet_measure(&space.mesh, facet);
-                for (q, weight) in rule.weights.iter().enumerate() {
-                    let p = facets.len() * q + local;
-                    let strain = self.exact.tensors(|k| values[k][p], &mut memory);
-                    let sigma: Tensor<D> = stress(material, &strain, &memory, self.kappa);
-                    let along = |row: [f64; D]| -> f64 {
-                        row.iter().zip(&group.normal).map(|(s, n)| s * n).sum()
-                    };
-                    let traction = sigma.map(|row| weight * measure * along(row));
-                    let nodes = space.nodes.on_facet(facet).iter().zip(&shape[q]);
-                    for (&vertex, shape) in nodes {
-                        let node = space.nodes.of_vertex[vertex as usize] as usize;
-                        let at_node = force[D * node..][..D].iter_mut();
-                        at_node.zip(traction).for_each(|(at_node, t)| *at_node += shape * t);
-                    }
-                }
-            }
-        };
-        group.strains.each_block(&space.mesh, program, at, &names, visit)
     }
 }
 

@@ -60,7 +60,7 @@ pub use finite_exact::{
 pub use friction::{FrictionBound, FrictionFormulas, FrictionOnSide, Sliding};
 pub use interpolated::InterpolatedOnMesh;
 pub use nodal_strain::NodalStrain;
-pub use on_mesh::ExactOnMesh;
+pub use on_mesh::{Densities, ExactOnMesh};
 pub use shapes::Shapes;
 pub use sign_changes::sign_changes;
 pub use truth::{ByTime, Truth};

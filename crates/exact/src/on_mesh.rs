@@ -1,6 +1,9 @@
 //! An exact solution on a mesh: load vectors and moments, shared by all cases on the mesh.
 
 mod contact;
+mod densities;
+
+pub use densities::Densities;
 
 use fem::mesh::in_dimension;
 use std::sync::{Arc, OnceLock};
@@ -97,31 +100,23 @@ impl ExactOnMesh {
         self.form == LoadForm::Weak && self.stress_points.is_none()
     }
 
-    /// The nodal vector of all loads but the pressure on Γ3.
-    fn volume_force<const D: usize, const N: usize>(&self, t: f64) -> Result<Vec<f64>, LoadError> {
-        let fields = self.at(t);
-        if self.form == LoadForm::Weak {
-            let points = self.stress_points.as_ref().unwrap_or(&self.error_points);
-            return fields.stress_force::<D, N>(points);
-        }
-        let mut force = fields.body_force::<D>(&self.force_points)?;
-        for group in self.traction.iter().chain(&self.contact) {
-            fields.add_boundary_stress::<D>(group, &mut force)?;
-        }
-        Ok(force)
-    }
-
     fn compute_load<const D: usize, const N: usize>(
         &self,
         t: f64,
     ) -> Result<Arc<Vec<f64>>, LoadError> {
         self.loads.get_or(t, || {
+            if self.form == LoadForm::Strong {
+                return Ok(self.densities_at::<D>(t)?.assembled(&self.space, false));
+            }
             let mut force = match self.moments.known(t).filter(|_| self.is_shared()) {
                 Some(known) => {
                     let means = known.of_loads.as_ref().unwrap_or(&known.moments.stress.at);
                     force_of_means::<D>(&self.space, means)
                 }
-                None => self.volume_force::<D, N>(t)?,
+                None => {
+                    let points = self.stress_points.as_ref().unwrap_or(&self.error_points);
+                    self.at(t).stress_force::<D, N>(points)?
+                }
             };
             self.add_contact_pressure(t, &mut force)?;
             force.truncate(self.space.dofs());
@@ -157,6 +152,13 @@ impl Truth for ExactOnMesh {
 
     fn moments(&self, t: f64) -> Result<Arc<Moments>, LoadError> {
         in_dimension!(self.space.mesh.dimension, D, S => self.compute_moments::<D, S>(t))
+    }
+
+    fn densities(&self, t: f64) -> Result<Option<Densities>, LoadError> {
+        if self.form == LoadForm::Weak {
+            return Ok(None);
+        }
+        in_dimension!(self.space.mesh.dimension, D => self.densities_at::<D>(t)).map(Some)
     }
 
     fn expect(&self, times: &[f64]) -> Result<(), LoadError> {

@@ -4,6 +4,7 @@ use std::collections::HashMap;
 use std::convert::Infallible;
 use std::sync::{Arc, Mutex, PoisonError};
 
+use super::on_mesh::Densities;
 use fem::contact::LoadError;
 use fem::norms::{ContactSamples, Moments};
 
@@ -14,6 +15,14 @@ pub trait Truth: Send + Sync {
     /// # Errors
     /// A formula that is not finite somewhere.
     fn load(&self, t: f64) -> Result<Arc<Vec<f64>>, LoadError>;
+
+    /// The loads of the strong form as functions, [`Self::load`] before it is assembled; None of other loads.
+    ///
+    /// # Errors
+    /// A formula that is not finite somewhere.
+    fn densities(&self, _t: f64) -> Result<Option<Densities>, LoadError> {
+        Ok(None)
+    }
 
     /// The moments of the solution at t.
     ///

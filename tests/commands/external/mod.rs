@@ -2,11 +2,12 @@
 //! Goal: displacements that go out as files and come back give the records of the run that they are of, in every norm;
 //!   a solver that fails, is silent, is too slow, or writes another shape, numbers that are not finite or an answer of
 //!   before makes a failed case with the reason; a wrong answer fails its verdict; meshes and loads of the files are
-//!   those of the case; a solver ends with all that it has started, its log is bounded, what is no file is refused.
+//!   those of the case, as functions too where they are; a solver ends with all that it has started, its log is bounded, what is no file is refused.
 //! Mesh: n = 4 and 8 in the plane, 2 in space.
 //! Data: scenes signorini, compliance, oblique-trapezium, layered-in-space, pure-box; shell commands for solvers.
 #![cfg(unix)]
 
+mod densities;
 mod elements;
 mod kinds;
 mod processes;

@@ -2,8 +2,8 @@
 
 use fem::space::Element;
 use judge::verdict::{Decision, Variable, Verdict};
-use scene::Scene;
 use scene::setup::{MeshData, Scheme, Setup};
+use scene::{Data, LoadForm, Scene};
 
 use super::cause::cause_of;
 use super::left::{Cause, Found};
@@ -36,7 +36,7 @@ fn in_doubt(verdict: &Verdict) -> bool {
 const LOOKED_AT: usize = 3;
 const MOST: [u64; 2] = [1_000_000, 200_000_000];
 
-/// What the smallest cases say of the solver, where a verdict does not pass: the first that says something, else the last.
+/// What the smallest cases say of the solver, where a verdict does not pass or loads are functions: the first that says something, else the last.
 /// `scheme` answers them once more.
 pub fn look_for_cause(
     verdicts: &[Verdict],
@@ -44,7 +44,9 @@ pub fn look_for_cause(
     mut runs: Vec<(u32, u32)>,
     scheme: &dyn Scheme,
 ) -> Option<Found> {
-    if !verdicts.iter().any(in_doubt) {
+    let doubted = verdicts.iter().any(in_doubt);
+    // Some mistakes in assembling loads keep every order.
+    if !doubted && !matches!(setup.body.data, Data::Exact { form: LoadForm::Strong, .. }) {
         return None;
     }
     let d = setup.scene.dimension as u32;
@@ -67,7 +69,7 @@ pub fn look_for_cause(
             break;
         }
     }
-    last
+    last.filter(|found| doubted || found.cause != Cause::Nothing)
 }
 
 /// Prefixes the reasons of open or failed verdicts on an external solver with the cause that was found, or with what to

@@ -7,6 +7,7 @@ use serde_json::{Value, json};
 
 use super::npy::{Array, encode};
 use fem::contact::{CaseError, Discretization, LoadError, Support};
+use fem::space::quadrature::Rule;
 use files::replace_file;
 use scene::setup::{MeshData, Setup};
 use vhi::history::TimeGrid;
@@ -16,6 +17,10 @@ use vhi::law::{FourthOrder, TensorField};
 const FORMAT: &str = include_str!("format.md");
 /// Up to this N kernels are written for all pairs of levels on non-uniform grids.
 const MOST_PAIRS: usize = 4096;
+
+/// Names of the arrays of loads as functions: points and weights of the rule in a cell, points × (d + 2), with the weights last;
+/// f0, (N + 1) × cells × points × d; the same of the facets of the boundary.
+pub const DENSITIES: [&str; 4] = ["cell_rule", "cell_loads", "facet_rule", "facet_loads"];
 
 /// A row of the table of Γ3.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -40,6 +45,8 @@ pub struct Given {
     pub kernels: Option<Array>,
     /// Loads of every level, (N + 1) × vertices × d.
     pub loads: Array,
+    /// Loads of the strong form before they are assembled, by the names in [`DENSITIES`]; none of other loads.
+    pub densities: Option<[Array; 4]>,
     pub contact: Vec<ContactRow>,
     /// The factor of the bound of friction at the rows of Γ3, (N + 1) × rows; none without friction.
     pub friction: Option<Array>,
@@ -56,6 +63,7 @@ impl Given {
             document: case(setup, data, &grid),
             kernels: (!setup.model.memory.is_empty()).then(|| kernels(setup, &grid)).transpose()?,
             loads: loads(data, &grid)?,
+            densities: densities(data, &grid)?,
             contact: contact(setup, &data.space),
             friction: friction(setup, &data.space, &grid),
             times: grid.times().to_vec(),
@@ -103,6 +111,10 @@ pub fn write_case(dir: &Path, setup: &Setup, data: &MeshData, steps: u32) -> Res
     let array = |name: &str, array: &Array| file(name, &encode(&array.shape, &array.numbers));
     given.kernels.iter().try_for_each(|kernels| array("kernels.npy", kernels))?;
     given.friction.iter().try_for_each(|friction| array("friction.npy", friction))?;
+    let densities = DENSITIES.iter().zip(given.densities.iter().flatten());
+    for (name, values) in densities {
+        array(&format!("{name}.npy"), values)?;
+    }
     array("loads.npy", &given.loads)
 }
 
@@ -315,6 +327,30 @@ fn loads(data: &MeshData, grid: &TimeGrid) -> Result<Array, CaseError> {
         }
     }
     Ok(Array { shape: vec![grid.steps() + 1, nodes.of_vertex.len(), d], numbers: values })
+}
+
+fn densities(data: &MeshData, grid: &TimeGrid) -> Result<Option<[Array; 4]>, CaseError> {
+    let (mesh, mut rules) = (&data.space.mesh, None);
+    let (mut body, mut traction) = (Vec::new(), Vec::new());
+    for &t in grid.times() {
+        let Some(found) = data.truth.densities(t)? else { return Ok(None) };
+        body.extend(found.body);
+        traction.extend(found.traction);
+        rules = Some(found.rules);
+    }
+    let (levels, d) = (grid.steps() + 1, mesh.dimension);
+    let of = |rule: &Rule, simplices: usize, values: Vec<f64>| {
+        let points = rule.weights.len();
+        let rows = rule.points.iter().zip(&rule.weights);
+        let numbers: Vec<f64> = rows.flat_map(|(b, &w)| b.iter().copied().chain([w])).collect();
+        let rule = Array { shape: vec![points, numbers.len() / points], numbers };
+        [rule, Array { shape: vec![levels, simplices, points, d], numbers: values }]
+    };
+    Ok(rules.map(|[in_cell, on_facet]| {
+        let [cell_rule, cell_loads] = of(&in_cell, mesh.cell_count(), body);
+        let [facet_rule, facet_loads] = of(&on_facet, mesh.facet_side.len(), traction);
+        [cell_rule, cell_loads, facet_rule, facet_loads]
+    }))
 }
 
 /// Where the files of a case stand below `folder`.

@@ -5,6 +5,7 @@
 //! balance, the forces that are left on Γ3 are those of contact, and are held against the law, the gap and the friction.
 
 use algebra::linalg::{axpy, dot, largest, norm};
+use exact::Densities;
 use fem::contact::{CaseError, MemoryTerm, StepView, out_of_balance};
 use scene::setup::{MeshData, Scheme, Setup};
 use vhi::history::{TimeGrid, TimeRule, Trapezoid};
@@ -134,6 +135,7 @@ fn of_body(left: &Left<'_>, off: &[f64]) -> Found {
         };
     of_past(left, &mut offer);
     of_loads(left, &mut offer);
+    of_assembly(left, &mut offer);
     of_tensors(left, &mut offer);
     if off[0] > left.sound && off[1..].iter().all(|&off| off <= left.sound) {
         let says = || "level 0 is not solved like the levels that follow from it".to_owned();
@@ -297,6 +299,82 @@ fn of_loads(left: &Left<'_>, offer: &mut Offer<'_>) {
     offer(Cause::Loads, false, &[loads], &|c| {
         format!("the loads are taken {:.4} times", 1.0 + c[0])
     });
+}
+
+/// Mistakes of who assembles the loads himself.
+fn of_assembly(left: &Left<'_>, offer: &mut Offer<'_>) {
+    let (space, truth) = (&*left.data.space, &left.data.truth);
+    let all = left.grid.times().iter().map(|&t| truth.densities(t));
+    let Ok(Some(all)) = all.collect::<Result<Option<Vec<Densities>>, _>>() else { return };
+    let by = |flat: bool, change: &dyn Fn(&mut Densities)| -> Vec<Vec<f64>> {
+        let assembled = |densities: &Densities| {
+            let mut densities = densities.clone();
+            change(&mut densities);
+            densities.assembled(space, flat)
+        };
+        all.iter().map(assembled).collect()
+    };
+    let apart = |of: Vec<Vec<f64>>, from: &[Vec<f64>]| -> Vec<Vec<f64>> {
+        of.into_iter().zip(from).map(|(of, from)| minus(of, from)).collect()
+    };
+    let body = |densities: &mut Densities| densities.traction.fill(0.0);
+    let traction = |densities: &mut Densities| densities.body.fill(0.0);
+    let mesh = &space.mesh;
+    let mut parts = vec![("f0".to_owned(), by(false, &body)), ("f2".into(), by(false, &traction))];
+    for (side, name) in mesh.sides.iter().enumerate() {
+        let of_side = by(false, &|densities| {
+            densities.body.fill(0.0);
+            let count = densities.traction.len() / mesh.facet_side.len();
+            let facets = densities.traction.chunks_mut(count).zip(&mesh.facet_side);
+            let others = facets.filter(|(_, of)| **of as usize != side);
+            others.for_each(|(values, _)| values.fill(0.0));
+        });
+        parts.push((format!("f2 on side {name}"), of_side));
+    }
+    let acts = |part: &[Vec<f64>]| part.iter().any(|level| largest(level) > left.sound);
+    for (name, part) in parts.iter().filter(|(_, part)| acts(part)) {
+        let none = part.iter().map(|level| level.iter().map(|f| -f).collect()).collect();
+        offer(Cause::Loads, true, &[none], &|_| format!("the loads: {name} is left out"));
+        offer(Cause::Loads, false, std::slice::from_ref(part), &|c| {
+            format!("the loads: {name} is taken {:.4} times", 1.0 + c[0])
+        });
+    }
+    let lumped = [
+        ("cells and facets", by(true, &|_| ()), by(false, &|_| ())),
+        ("cells", by(true, &body), parts[0].1.clone()),
+        ("facets", by(true, &traction), parts[1].1.clone()),
+    ];
+    for (which, flat, full) in lumped {
+        offer(Cause::Loads, true, &[apart(flat, &full)], &|_| {
+            format!(
+                "the loads are lumped: {which} give equal shares to their nodes, as a rule of one point does"
+            )
+        });
+    }
+    let whole = by(false, &|_| ());
+    let mut weighed = |says: String, weights: &dyn Fn(&mut Densities)| {
+        let column = apart(by(false, weights), &whole);
+        offer(Cause::Loads, true, &[column], &|_| says.clone());
+    };
+    weighed("the loads: the points of a rule have equal weights".into(), &|densities| {
+        for rule in &mut densities.rules {
+            let share = 1.0 / rule.weights.len() as f64;
+            rule.weights.fill(share);
+        }
+    });
+    for (i, which) in ["cells", "facets"].into_iter().enumerate() {
+        let count = all.first().map_or(0, |densities| densities.rules[i].weights.len());
+        for q in 0..count {
+            let says = format!("the loads: {which} take point {q} of their rule alone");
+            weighed(says, &|densities| {
+                let weights = &mut densities.rules[i].weights;
+                weights
+                    .iter_mut()
+                    .enumerate()
+                    .for_each(|(at, w)| *w = f64::from(u8::from(at == q)));
+            });
+        }
+    }
 }
 
 fn of_tensors(left: &Left<'_>, offer: &mut Offer<'_>) {

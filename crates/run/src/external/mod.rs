@@ -4,6 +4,7 @@
 mod advice;
 mod answer;
 mod bounded;
+mod by_density;
 mod case_files;
 mod cause;
 mod error;
@@ -22,7 +23,8 @@ use std::time::{Duration, Instant};
 pub use self::advice::{look_for_cause, on_pressures, solver_first};
 pub use self::answer::read_displacements;
 use self::answer::{read_pressures, read_until};
-pub use self::case_files::{ContactRow, Given, case_dir, write_case};
+pub use self::by_density::by_density;
+pub use self::case_files::{ContactRow, DENSITIES, Given, case_dir, write_case};
 pub use self::cause::cause_of;
 pub use self::error::AnswerError;
 pub use self::group::end_solvers;
