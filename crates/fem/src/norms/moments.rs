@@ -6,8 +6,6 @@
 //! with the same quadrature in every term. So the quadrature of the truth is done once a mesh and
 //! time, and each case pays a few operations per cell, without cancellation.
 
-use std::ops::{Add, Mul, Sub};
-
 /// L² projection of a tensor field onto the strains of an element, cell means for P1, and the squared distance to it.
 #[derive(Debug, Clone, Default)]
 pub struct AtPoints {
@@ -59,21 +57,6 @@ pub fn facet_samples(corners: usize) -> Vec<Vec<f64>> {
     (0..=across).flat_map(row).collect()
 }
 
-/// Corner values of Πf on a simplex of `corners` vertices from its moments m_a = mean of f λ_a:
-/// Πf(x_a) = N ((N + 1) m_a - Σ m_b), N the number of corners.
-/// A number may stand for those of several simplices.
-#[inline(always)]
-pub fn linear_projection<T>(moments: &[T], out: &mut [T])
-where
-    T: Copy + From<f64> + Add<Output = T> + Sub<Output = T> + Mul<Output = T>,
-{
-    let n = moments.len() as f64;
-    let total = moments.iter().fold(T::from(0.0), |total, moment| total + *moment);
-    for (value, moment) in out.iter_mut().zip(moments) {
-        *value = T::from(n) * (T::from(n + 1.0) * *moment - total);
-    }
-}
-
 /// Hausdorff distance of two sets of samples, given by flags on the same points. Both empty: 0;
 /// one of them: `diameter`.
 pub fn hausdorff(points: &[[f64; 3]], a: &[bool], b: &[bool], diameter: f64) -> f64 {
@@ -101,18 +84,6 @@ fn nearest(p: &[f64; 3], set: &[[f64; 3]]) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn linear_projection_reproduces_linear_functions() {
-        // f = Σ v_a λ_a on a triangle: m_a = (v_a + Σ v)/12; on an edge: (v_a + Σ v)/6.
-        for (values, factor) in [(vec![1.0, -2.0, 4.0], 12.0), (vec![3.0, 0.5], 6.0)] {
-            let total: f64 = values.iter().sum();
-            let moments: Vec<f64> = values.iter().map(|v| (v + total) / factor).collect();
-            let mut out = vec![0.0; values.len()];
-            linear_projection(&moments, &mut out);
-            assert!(out.iter().zip(&values).all(|(o, v)| (o - v).abs() < 1e-14));
-        }
-    }
 
     #[test]
     fn samples_of_a_facet_are_its_grid() {

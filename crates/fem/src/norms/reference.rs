@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use super::moments::Moments;
-use super::nested::{Pieces, onto_strains};
+use super::nested::{onto_element, onto_strains};
 use super::refinement::{ReferenceError, Refinement};
 use crate::contact::{Discretization, LevelFields, Model, StepView};
 use algebra::in_dimension;
@@ -90,27 +90,20 @@ impl ReferenceRun {
         });
         let tensors = |field: &[f64]| onto_strains(&self.space, coarse, &refinement.cells, field);
         let (fine, d) = (&self.space, self.space.mesh.dimension);
-        let cells = Pieces::new(
-            coarse.element,
-            &refinement.cells,
-            [&fine.geometry.measure, &coarse.geometry.measure],
-        );
-        let facets = Pieces::new(
-            coarse.element,
-            &refinement.facets,
-            [&fine.trace.measure, &coarse.trace.measure],
-        );
+        let element = coarse.element;
+        let cells = [&fine.geometry.measure[..], &coarse.geometry.measure];
+        let facets = [&fine.trace.measure[..], &coarse.trace.measure];
         let displacement =
             |c: usize, node: usize, i: usize| level.u[d * fine.cell_nodes(c)[node] as usize + i];
         let on_trace = |values: &[f64]| {
             let at = |f: usize, node: usize, _| values[fine.trace.facet(f)[node] as usize];
-            facets.project(1, at)
+            onto_element(element, &refinement.facets, facets, 1, at)
         };
         let locked = |members: &Vec<u32>| members.iter().all(|&i| level.locked[i as usize]);
         Ok(Moments {
             strain: tensors(&strain),
             stress: tensors(&level.stress),
-            displacement: cells.project(d, displacement),
+            displacement: onto_element(element, &refinement.cells, cells, d, displacement),
             normal: on_trace(&level.normal),
             pressure: on_trace(&level.pressure),
             locked: refinement.sample_members.iter().map(locked).collect(),

@@ -6,6 +6,7 @@ use super::moments::facet_samples;
 use crate::contact::Discretization;
 use crate::mesh::Mesh;
 use crate::mesh::geometry::{minus, norm};
+use crate::space::Element;
 
 /// Why a reference cannot serve.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -40,13 +41,27 @@ pub(super) struct Parents {
     /// Of each fine simplex the values of the hat functions of its parent at its corners, those of one function one
     /// after the other.
     pub(super) hats: Vec<f64>,
+    /// Of each fine simplex at each point of the rule for squares of the element the functions of the element on its parent.
+    pub(super) shapes: Vec<f64>,
     /// Corners of a simplex.
     pub(super) corners: usize,
 }
 
+/// Room for the corners of a tetrahedron.
+const MOST_CORNERS: usize = 4;
+
+/// The barycentric coordinates in the parent of a place in a fine simplex, by the hats of the parent at its corners.
+pub(super) fn in_parent(hats: &[f64], in_fine: &[f64]) -> [f64; MOST_CORNERS] {
+    let mut place = [0.0; MOST_CORNERS];
+    for (b, hat) in place.iter_mut().zip(hats.chunks_exact(in_fine.len())) {
+        *b = hat.iter().zip(in_fine).map(|(hat, b)| hat * b).sum();
+    }
+    place
+}
+
 impl Parents {
     /// None where a fine simplex lies in no coarse one.
-    fn new(coarse: &Simplices, mesh: &Mesh, fine: &[Vec<u32>]) -> Option<Self> {
+    fn new(coarse: &Simplices, element: Element, mesh: &Mesh, fine: &[Vec<u32>]) -> Option<Self> {
         let of = fine.iter().map(|simplex| coarse.holding(mesh, simplex));
         let of: Vec<u32> = of.collect::<Option<_>>()?;
         let corners = fine.first().map_or(0, Vec::len);
@@ -56,7 +71,13 @@ impl Parents {
             let at: Vec<[f64; 4]> = simplex.iter().map(at).collect();
             hats.extend((0..corners).flat_map(|a| at.iter().map(move |b| b[a])));
         }
-        Some(Self { of, hats, corners })
+        let places = if of.is_empty() { Vec::new() } else { element.square_rule(corners).points };
+        let of_simplex = |hats| {
+            let at = move |b: &Vec<f64>| element.values(&in_parent(hats, b)[..corners]);
+            places.iter().flat_map(at)
+        };
+        let shapes = hats.chunks_exact((corners * corners).max(1)).flat_map(of_simplex).collect();
+        Some(Self { of, hats, shapes, corners })
     }
 
     /// The hats of the parent of fine simplex s at its corners.
@@ -85,8 +106,8 @@ impl Refinement {
         };
         let fine_facets = all_facets(fine);
         let parents = |simplices: &[Vec<u32>], fine_simplices: &[Vec<u32>]| {
-            let coarse = Simplices::new(&coarse.mesh, simplices);
-            Parents::new(&coarse, &fine.mesh, fine_simplices).ok_or(refused.clone())
+            let (element, coarse) = (coarse.element, Simplices::new(&coarse.mesh, simplices));
+            Parents::new(&coarse, element, &fine.mesh, fine_simplices).ok_or(refused.clone())
         };
         let cells = parents(&all_cells(&coarse.mesh), &all_cells(&fine.mesh))?;
         let facets = parents(&all_facets(coarse), &fine_facets)?;
