@@ -197,9 +197,7 @@ fn defects_of_the_solver_are_caught() {
 }
 
 fn scaled(norms: &mut KernelNorms, factor: f64) {
-    if let KernelNorms::Lags(values) = norms {
-        values.iter_mut().for_each(|value| *value *= factor);
-    }
+    norms.rows.iter_mut().flatten().for_each(|value| *value *= factor);
 }
 
 /// The rest of the table: wrong constants and truncation errors over the right run.

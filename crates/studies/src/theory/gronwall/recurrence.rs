@@ -143,30 +143,25 @@ pub struct HistoryPart {
 impl HistoryPart {
     /// ω_p w_nj κ_p(n, j), where `weight` is that of the rule.
     fn entry(&self, weight: f64, n: usize, j: usize) -> f64 {
-        let weight = if matches!(self.norms, KernelNorms::Weighed(_)) { 1.0 } else { weight };
-        self.coefficient * weight * self.norms.at(n, j)
+        let weight = if self.norms.weighed { 1.0 } else { weight };
+        self.coefficient * weight * self.norms.rows[n][j]
     }
 }
 
-/// κ(n, j) on the grid.
+/// κ(n, j) = `rows[n][j]`.
 #[derive(Debug, Clone, PartialEq)]
-pub enum KernelNorms {
-    /// κ(n, j) = `values[n - j]`: a convolution on a uniform grid.
-    Lags(Vec<f64>),
-    /// κ(n, j) = `rows[n][j]`: any kernel on any grid.
-    Pairs(Vec<Vec<f64>>),
-    /// ‖Σ_l W^l_nj Q_l‖ = `rows[n][j]`, W^l_nj the weights of a rule that integrates the kernels: in place of w_nj κ(n, j).
-    Weighed(Vec<Vec<f64>>),
+pub struct KernelNorms {
+    pub rows: Vec<Vec<f64>>,
+    /// They are ‖Σ_l W^l_nj Q_l‖, W^l_nj the weights of a rule that integrates the kernels: in place of w_nj κ(n, j).
+    pub weighed: bool,
 }
 
 impl KernelNorms {
-    /// Those of Σ_l q_l Q_l, whose norm is `norm` of factors of the Q_l; `by_lags`: the q_l are convolutions, the grid is
-    /// uniform; `integrating`: a rule that integrates the kernels.
+    /// Those of Σ_l q_l Q_l, whose norm is `norm` of factors of the Q_l; `integrating`: a rule that integrates the kernels.
     pub(super) fn of(
         kernels: &[&dyn HistoryKernel],
         norm: impl Fn(&[f64]) -> f64,
         (integrating, grid): (Option<Box<dyn TimeRule>>, &TimeGrid),
-        by_lags: bool,
     ) -> Self {
         let values = |kernel: &&dyn HistoryKernel, n: usize| match &integrating {
             Some(rule) => rule.kernel_row(*kernel, grid, n),
@@ -177,31 +172,15 @@ impl KernelNorms {
             let at = |j: usize| norm(&values.iter().map(|values| values[j]).collect::<Vec<f64>>());
             (0..=n).map(at).collect()
         };
-        let rows = || (0..=grid.steps()).map(row).collect();
-        match (integrating.is_some(), by_lags) {
-            (true, _) => Self::Weighed(rows()),
-            (false, true) => Self::Lags(row(grid.steps()).into_iter().rev().collect()),
-            (false, false) => Self::Pairs(rows()),
-        }
+        Self { rows: (0..=grid.steps()).map(row).collect(), weighed: integrating.is_some() }
     }
 
     /// The part of the history with these norms; `known` is their supremum between the points of the grid.
     pub(super) fn part(self, coefficient: f64, known: f64) -> HistoryPart {
-        let supremum = match &self {
-            Self::Lags(values) => values.iter().fold(known, |m, v| larger(m, *v)),
-            Self::Pairs(rows) => rows.iter().flatten().fold(known, |m, v| larger(m, *v)),
-            // They are not known apart from their weights.
-            Self::Weighed(_) => known,
-        };
+        // Where they are not known apart from their weights, the bound alone is.
+        let rows = self.rows.iter().filter(|_| !self.weighed);
+        let supremum = rows.flatten().fold(known, |m, v| larger(m, *v));
         HistoryPart { coefficient, norms: self, supremum }
-    }
-
-    /// κ(n, j), j ≤ n.
-    pub(crate) fn at(&self, n: usize, j: usize) -> f64 {
-        match self {
-            Self::Lags(values) => values[n - j],
-            Self::Pairs(rows) | Self::Weighed(rows) => rows[n][j],
-        }
     }
 }
 

@@ -93,7 +93,8 @@ impl GronwallConstants {
     pub(super) fn parts(&self, setup: &Setup, grid: &TimeGrid) -> Vec<HistoryPart> {
         let mut parts = Vec::new();
         if self.has_zeta() {
-            let norms = KernelNorms::Lags(vec![1.0; grid.steps() + 1]);
+            let rows = (0..=grid.steps()).map(|n| vec![1.0; n + 1]).collect();
+            let norms = KernelNorms { rows, weighed: false };
             let supremum = self.accumulated;
             parts.push(HistoryPart { coefficient: self.yielding, norms, supremum });
         }
@@ -110,9 +111,7 @@ impl GronwallConstants {
                     |sum: TensorField, (tensor, factor): (&_, &f64)| sum.plus(*factor, tensor, d);
                 first.map_or(0.0, |first| each.fold(first, sum).norm(d))
             };
-            let uniform = setup.scene.time.grid == scene::TimeGrid::Uniform;
-            let norms =
-                KernelNorms::of(&kernels, norm, (self.weights.integrating(), grid), uniform);
+            let norms = KernelNorms::of(&kernels, norm, (self.weights.integrating(), grid));
             parts.push(norms.part(1.0, self.memory));
         }
         parts
@@ -535,7 +534,7 @@ impl InTime for FiniteInTime<'_> {
         };
         let kernels: Vec<&dyn HistoryKernel> =
             model.kernels.iter().map(|term| &*term.kernel as _).collect();
-        let norms = KernelNorms::of(&kernels, of, (self.weights.integrating(), grid), false);
+        let norms = KernelNorms::of(&kernels, of, (self.weights.integrating(), grid));
         (m0, beta, self.weights, vec![norms.part(beta, lipschitz)])
     }
 
