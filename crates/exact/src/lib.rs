@@ -16,6 +16,7 @@ mod contact_samples;
 mod curve;
 mod cut_cells;
 mod cuts;
+mod densities;
 mod double_exponential;
 mod edge_compliance;
 mod exact;
@@ -49,6 +50,7 @@ pub use check::{
     Finding, SideOfBox, Status, check, regularity_in_space, regularity_in_time, second_difference,
 };
 pub use curve::CurveNumbers;
+pub use densities::Densities;
 pub use edge_compliance::ComplianceRule;
 pub use exact::{
     BoundaryFormulas, ContactFormulas, Exact, ExactData, LawNumbers, LoadForm, MaterialNumbers,
@@ -60,7 +62,7 @@ pub use finite_exact::{
 pub use friction::{FrictionBound, FrictionFormulas, FrictionOnSide, Sliding};
 pub use interpolated::InterpolatedOnMesh;
 pub use nodal_strain::NodalStrain;
-pub use on_mesh::{Densities, ExactOnMesh};
+pub use on_mesh::ExactOnMesh;
 pub use shapes::Shapes;
 pub use sign_changes::sign_changes;
 pub use truth::{ByTime, Truth};

@@ -3,13 +3,12 @@
 mod contact;
 mod densities;
 
-pub use densities::Densities;
-
 use fem::mesh::in_dimension;
 use std::sync::{Arc, OnceLock};
 
 use super::contact_samples::StatePoints;
 use super::cuts::Cuts;
+use super::densities::Densities;
 use super::exact::{Exact, LoadForm};
 use super::facet_group::{FacetGroup, facet_groups};
 use super::fields::Fields;

@@ -4,7 +4,7 @@ use std::collections::HashMap;
 use std::convert::Infallible;
 use std::sync::{Arc, Mutex, PoisonError};
 
-use super::on_mesh::Densities;
+use super::densities::Densities;
 use fem::contact::LoadError;
 use fem::norms::{ContactSamples, Moments};
 

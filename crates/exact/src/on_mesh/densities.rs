@@ -1,24 +1,12 @@
-//! Loads as functions: f0 in the cells, σν and the contact pressure on the facets, at the points of their rules.
+//! The loads of an exact solution as functions: f0 in the cells, σν and the contact pressure on the facets.
 
-use fem::contact::{Discretization, LoadError};
+use fem::contact::LoadError;
 use fem::space::quadrature::Rule;
 
 use super::ExactOnMesh;
 use crate::constitutive::{Tensor, stress};
-use crate::nodal_force::facet_measure;
+use crate::densities::Densities;
 use crate::sampled::vector_names;
-use crate::shapes::Shapes;
-
-/// f0 and the tractions at the points of two rules, on all cells and boundary facets of a mesh.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Densities {
-    /// Of the cells, of the facets.
-    pub rules: [Rule; 2],
-    /// Cell by cell, in it point by point, in it component by component.
-    pub body: Vec<f64>,
-    /// Likewise by the facets of the boundary: f2 on Γ2, h3 on Γ3, zero on Γ1.
-    pub traction: Vec<f64>,
-}
 
 impl ExactOnMesh {
     /// The densities at t.
@@ -74,44 +62,5 @@ impl ExactOnMesh {
             }
         }
         Ok(Densities { rules: [points.rule.clone(), side], body, traction })
-    }
-}
-
-impl Densities {
-    /// ∫ f0·v + ∫ f2·v over the unknowns. With `flat` shape functions stand at their values in the barycentre: each cell and
-    /// facet then gives all its nodes the same share, as lumping does.
-    pub fn assembled(&self, space: &Discretization, flat: bool) -> Vec<f64> {
-        let (mesh, d) = (&space.mesh, space.mesh.dimension);
-        let mut force = vec![0.0; space.nodes.len()];
-        let shapes = |functions: Shapes, rule: &Rule| -> Vec<Vec<f64>> {
-            let corners = rule.points[0].len();
-            let middle = vec![1.0 / corners as f64; corners];
-            rule.points.iter().map(|b| functions.at(if flat { &middle } else { b })).collect()
-        };
-        let mut add = |values: &[f64], weights: &[f64], shapes: &[Vec<f64>], nodes: &[u32]| {
-            for ((value, weight), shape) in values.chunks(d).zip(weights).zip(shapes) {
-                for (&node, shape) in nodes.iter().zip(shape) {
-                    let force = force[d * node as usize..][..d].iter_mut();
-                    force.zip(value).for_each(|(force, f)| *force += weight * shape * f);
-                }
-            }
-        };
-        let scaled = |rule: &Rule, measure: f64| -> Vec<f64> {
-            rule.weights.iter().map(|w| measure * w).collect()
-        };
-        let [in_cell, on_facet] = &self.rules;
-        let of_cell = shapes(Shapes::of_cell(space.element, d), in_cell);
-        for (c, values) in self.body.chunks(d * in_cell.weights.len()).enumerate() {
-            let weights = scaled(in_cell, space.geometry.measure[c]);
-            add(values, &weights, &of_cell, space.cell_nodes(c));
-        }
-        let of_facet = shapes(Shapes::of_facet(space.element, d), on_facet);
-        for (f, values) in self.traction.chunks(d * on_facet.weights.len()).enumerate() {
-            let vertices = space.nodes.on_facet(f).iter();
-            let nodes: Vec<u32> = vertices.map(|&v| space.nodes.of_vertex[v as usize]).collect();
-            add(values, &scaled(on_facet, facet_measure(mesh, f)), &of_facet, &nodes);
-        }
-        force.truncate(space.dofs());
-        force
     }
 }
