@@ -70,7 +70,7 @@ fn command(study: &Study) -> Command {
         study.help
     );
     // What the options say of themselves as a group comes first, and is replaced.
-    let command = StudyArguments::augment_args(Command::new(name));
+    let command = StudyArguments::augment_args(Command::default().name(name));
     let command = command.about(study.about).after_help(help);
     [("n", "N", &study.n), ("steps", "STEPS", &study.steps)].into_iter().fold(
         command,
