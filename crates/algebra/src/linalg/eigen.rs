@@ -358,19 +358,6 @@ mod tests {
         }
     }
 
-    /// A map that is exactly zero on all coordinates but a few, which the basis spans soon.
-    #[test]
-    fn a_map_of_low_rank_ends() {
-        for rank in [2, 9] {
-            let value = |i: usize| if i < rank { 1.0 / (1.0 + i as f64) } else { 0.0 };
-            let map = DMatrix::from_fn(90, 90, |i, j| if i == j { value(i) } else { 0.0 });
-            let mut dense = Dense { map, weights: vec![1.0; 90] };
-            let start: Vec<f64> = (0..90).map(|i| if i < rank { 1.0 } else { 0.0 }).collect();
-            let found = largest_eigenvalue(&mut dense, &start).unwrap();
-            assert!((found.value - 1.0).abs() < 1e-14, "{}", found.value);
-        }
-    }
-
     #[test]
     fn a_map_that_is_not_a_number_is_an_error() {
         for m in [4, 200] {
