@@ -70,8 +70,9 @@ const REAL: f64 = 1e-6;
 pub const KRYLOV_VECTORS: usize = 129;
 /// T x and x of the start are one direction: T is a multiple of the identity on all that an iteration sees.
 const ONE_DIRECTION: f64 = 1e-13;
-/// Added to a map of size one: far below rounding, and its square is a double.
-const NOTHING: f64 = 1e-100;
+/// Added to a map of size one: a ten-thousandth of its rounding. With 1e-100 the library's factors underflow, and it goes on
+/// without end as before.
+const NOTHING: f64 = 1e-20;
 /// Eigenvalues that are asked for where those of largest modulus may be complex.
 const SEVERAL: usize = 8;
 
@@ -233,8 +234,8 @@ impl LinOp<f64> for Shifted<'_> {
             let column: Vec<f64> = (0..self.order).map(|i| x[(i, j)]).collect();
             self.apply_to(&column, &mut image);
             // Where the map is zero on some coordinates the basis may span all others. Then the library orthogonalizes to
-            // an exact zero, and goes on without end.
-            let mut seed = 1;
+            // an exact zero, and goes on without end. Each vector gets a direction of its own: one for all is spanned soon.
+            let mut seed = column.iter().fold(1, |seed: u64, x| seed.rotate_left(5) ^ x.to_bits());
             image.iter_mut().for_each(|value| *value += NOTHING * signed_unit(&mut seed));
             image.iter().enumerate().for_each(|(i, value)| out[(i, j)] = *value);
         }
@@ -355,6 +356,19 @@ mod tests {
             // Eigenvalues ±i/2 and 0.1 twice in a Jordan block, which halves the digits; and those over 2, 3, ….
             assert!((found.radius - 0.5).abs() < 1e-8, "{found:?}");
             assert!((found.rightmost - 0.1).abs() < 1e-5, "{found:?}");
+        }
+    }
+
+    /// A map that is exactly zero on all coordinates but a few, which the basis spans soon.
+    #[test]
+    fn a_map_of_low_rank_ends() {
+        for rank in [2, 9] {
+            let value = |i: usize| if i < rank { 1.0 / (1.0 + i as f64) } else { 0.0 };
+            let map = DMatrix::from_fn(90, 90, |i, j| if i == j { value(i) } else { 0.0 });
+            let mut dense = Dense { map, weights: vec![1.0; 90] };
+            let start: Vec<f64> = (0..90).map(|i| if i < rank { 1.0 } else { 0.0 }).collect();
+            let found = largest_eigenvalue(&mut dense, &start).unwrap();
+            assert!((found.value - 1.0).abs() < 1e-14, "{}", found.value);
         }
     }
 
