@@ -8,7 +8,7 @@ use super::CliError;
 use files::{counted, harmless, harmless_json};
 use indicatif::{ProgressBar, ProgressStyle};
 use judge::record::{CaseRecord, Status};
-use judge::verdict::{Decision, Verdict};
+use judge::verdict::Verdict;
 use run::sweep::Progress;
 use scene::setup::StepRemark;
 use serde::Serialize;
@@ -40,12 +40,16 @@ pub(crate) fn prints_all(verdicts: &[Verdict]) -> bool {
     verdicts.len() <= MOST || loudness() == Loudness::Verbose
 }
 
+/// The verdicts that are printed one by one.
+fn listed(verdicts: &[Verdict], all: bool) -> Vec<Verdict> {
+    verdicts.iter().filter(|verdict| all || !verdict.is_plain_pass()).cloned().collect()
+}
+
 /// Prints verdicts, coloured if stdout allows it. Of more than a screen holds, those that are no plain pass, and then what
 /// holds and what is least certain.
 pub(crate) fn print_verdicts(verdicts: &[Verdict]) {
     let all = prints_all(verdicts);
-    let plain = |v: &&Verdict| v.as_expected() && v.decision == Decision::Pass;
-    let some: Vec<Verdict> = verdicts.iter().filter(|v| all || !plain(v)).cloned().collect();
+    let some = listed(verdicts, all);
     if all || !some.is_empty() {
         print_as_it_is(&shown(&harmless(&verdict_table(&some))));
     }
@@ -312,6 +316,32 @@ impl Progress for Display {
 
 #[cfg(test)]
 mod tests {
+    mod verdicts {
+        use super::super::*;
+        use judge::record::V_MAX;
+        use judge::verdict::{Decision, Prediction, Variable};
+
+        /// Of more than a screen holds every one that is no plain pass, an expected failure too, is printed.
+        #[test]
+        fn none_but_plain_passes_is_left_out() {
+            let verdict = |scene: &str, expect, decision| {
+                let open = Verdict::open(scene, &Prediction::new(V_MAX, Variable::H, 1.0), expect);
+                Verdict { decision, ..open }
+            };
+            let mut verdicts = vec![verdict("sound", Decision::Pass, Decision::Pass); 30];
+            verdicts.push(verdict("defect", Decision::Pass, Decision::Fail));
+            verdicts.push(verdict("open", Decision::Pass, Decision::Unresolved));
+            verdicts.push(verdict("built-to-fail", Decision::Fail, Decision::Fail));
+            verdicts.push(verdict("not-failing", Decision::Fail, Decision::Pass));
+            let names = |all| -> Vec<String> {
+                listed(&verdicts, all).into_iter().map(|verdict| verdict.scene).collect()
+            };
+            assert_eq!(names(false), ["defect", "open", "built-to-fail", "not-failing"]);
+            assert_eq!(names(true).len(), 34);
+            assert!(!prints_all(&verdicts) && prints_all(&verdicts[..24]));
+        }
+    }
+
     mod colour {
         use super::super::*;
 

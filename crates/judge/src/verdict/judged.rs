@@ -123,6 +123,11 @@ impl Verdict {
         };
     }
 
+    /// A pass that was expected: there is nothing to say of it.
+    pub fn is_plain_pass(&self) -> bool {
+        self.as_expected() && self.decision == Decision::Pass
+    }
+
     /// Whether the verdict is the expected one. An expected failure must come from the order, not from a missing case.
     pub fn as_expected(&self) -> bool {
         self.complete && self.decision == self.expect

@@ -125,8 +125,7 @@ fn summary(report: &Report<'_>, outcome: &str, failures: &[(String, String)]) ->
     let rows = report.verdicts.iter().map(row).collect();
     let caption = "Predicted and observed orders with their intervals, and the verdicts.";
     section.table(Table::new(caption, &VERDICT_HEADS, rows).evidence());
-    let remarkable = |v: &&Verdict| !v.as_expected() || v.decision != Decision::Pass;
-    for verdict in report.verdicts.iter().filter(remarkable) {
+    for verdict in report.verdicts.iter().filter(|verdict| !verdict.is_plain_pass()) {
         let mut runs = vec![Run::of(format!("{}, ", verdict.scene), Tone::Strong)];
         runs.extend(sentence(verdict));
         section.text(runs);

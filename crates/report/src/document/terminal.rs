@@ -6,7 +6,7 @@ use crate::chart::wrapped;
 use crate::document::{Block, Equation, Run, Table};
 use files::counted;
 use judge::record::{CaseRecord, Status};
-use judge::verdict::{Decision, Verdict, cell_texts};
+use judge::verdict::{Verdict, cell_texts};
 
 /// Characters between columns.
 const GAP: usize = 2;
@@ -257,8 +257,8 @@ pub(crate) fn outcome(records: &[CaseRecord], verdicts: &[Verdict]) -> String {
 
 /// Reasons of all but plain passes; one that several orders of a scene share is stated once.
 fn reasons(verdicts: &[Verdict], width: usize) -> Vec<String> {
-    let plain = |v: &Verdict| v.as_expected() && v.decision == Decision::Pass;
-    let explained: Vec<&Verdict> = verdicts.iter().filter(|verdict| !plain(verdict)).collect();
+    let explained: Vec<&Verdict> =
+        verdicts.iter().filter(|verdict| !verdict.is_plain_pass()).collect();
     let shared = explained
         .chunk_by(|a, b| (&a.scene, a.decision, &a.reason) == (&b.scene, b.decision, &b.reason));
     let words = |group: &[&Verdict]| {
@@ -326,7 +326,7 @@ mod tests {
     mod verdicts {
         use super::super::*;
         use judge::record::{NormError, V_MAX};
-        use judge::verdict::{Prediction, Variable, judge};
+        use judge::verdict::{Decision, Prediction, Variable, judge};
 
         fn verdict(order: f64, predicted: f64) -> Verdict {
             let record = |n: u32| {

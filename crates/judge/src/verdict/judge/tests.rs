@@ -435,6 +435,34 @@ fn a_constant_that_is_off_fails_whatever_the_order() {
     assert_eq!(known, [expected]);
 }
 
+/// Errors that jump from level to level and follow the predicted ones, which jump likewise: the constant shows the order, and
+/// the verdict says so.
+#[test]
+fn an_order_that_its_constant_shows_says_so() {
+    let finest = *DOUBLING.last().expect("levels");
+    // Up and down, but for the last two.
+    let jump = |k: f64| match (f64::from(finest) * k).log2() as u32 {
+        0 | 1 => 1.0,
+        level if level % 2 == 0 => 3.0,
+        _ => 0.4,
+    };
+    let records = table(&[4], &DOUBLING, |_, k| k * k * jump(k));
+    let prediction = predict(Variable::K, 2.0);
+    let open = judge("block", &records, &[], &prediction, Decision::Pass);
+    assert_eq!(open.decision, Decision::Unresolved, "{}", open.reason);
+    let point = |record: &CaseRecord| {
+        let (n, steps, h, k) = (record.n, record.steps, record.h, record.k);
+        LeadingPoint { n, steps, h, k, error: k * k * jump(k) }
+    };
+    let points = records.iter().map(point).collect();
+    let line = Foreseen::Leading(LeadingLine { points, limit: None, tolerance: 1e-4 });
+    let judged = judge_foreseen("block", &records, &[], &prediction, Some(&line), Decision::Pass);
+    assert_eq!(judged.decision, Decision::Pass, "{}", judged.reason);
+    assert!(judged.constant.as_ref().is_some_and(|constant| constant.decides));
+    assert_eq!(cell_texts(&judged)[5], "pass, by C_k");
+    assert!(judged.reason.contains("the slopes alone leave it open"), "{}", judged.reason);
+}
+
 #[test]
 fn failures_are_listed_by_key_and_reasons_go_back_to_their_cases() {
     let mut records = table(&[8, 16], &[4, 8], |h, _| h);
