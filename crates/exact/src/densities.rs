@@ -28,28 +28,26 @@ impl Densities {
             let middle = vec![1.0 / corners as f64; corners];
             rule.points.iter().map(|b| functions.at(if flat { &middle } else { b })).collect()
         };
-        let mut add = |values: &[f64], weights: &[f64], shapes: &[Vec<f64>], nodes: &[u32]| {
-            for ((value, weight), shape) in values.chunks(d).zip(weights).zip(shapes) {
-                for (&node, shape) in nodes.iter().zip(shape) {
-                    let force = force[d * node as usize..][..d].iter_mut();
-                    force.zip(value).for_each(|(force, f)| *force += weight * shape * f);
+        let mut add =
+            |values: &[f64], rule: &Rule, measure: f64, shapes: &[Vec<f64>], nodes: &[u32]| {
+                for ((value, weight), shape) in values.chunks(d).zip(&rule.weights).zip(shapes) {
+                    let weight = measure * weight;
+                    for (&node, shape) in nodes.iter().zip(shape) {
+                        let force = force[d * node as usize..][..d].iter_mut();
+                        force.zip(value).for_each(|(force, f)| *force += weight * shape * f);
+                    }
                 }
-            }
-        };
-        let scaled = |rule: &Rule, measure: f64| -> Vec<f64> {
-            rule.weights.iter().map(|w| measure * w).collect()
-        };
+            };
         let [in_cell, on_facet] = &self.rules;
         let of_cell = shapes(Shapes::of_cell(space.element, d), in_cell);
         for (c, values) in self.body.chunks(d * in_cell.weights.len()).enumerate() {
-            let weights = scaled(in_cell, space.geometry.measure[c]);
-            add(values, &weights, &of_cell, space.cell_nodes(c));
+            add(values, in_cell, space.geometry.measure[c], &of_cell, space.cell_nodes(c));
         }
         let of_facet = shapes(Shapes::of_facet(space.element, d), on_facet);
         for (f, values) in self.traction.chunks(d * on_facet.weights.len()).enumerate() {
             let vertices = space.nodes.on_facet(f).iter();
             let nodes: Vec<u32> = vertices.map(|&v| space.nodes.of_vertex[v as usize]).collect();
-            add(values, &scaled(on_facet, facet_measure(mesh, f)), &of_facet, &nodes);
+            add(values, on_facet, facet_measure(mesh, f), &of_facet, &nodes);
         }
         force.truncate(space.dofs());
         force
