@@ -11,8 +11,7 @@ pub fn by_density(mut scene: Scene) -> Result<Scene, SceneError> {
     let interpolated = data.is_some_and(Data::is_interpolated);
     let what =
         "the loads of the scene are no functions: u is in V^h, and its stress jumps between cells";
-    let hint =
-        "leave out --loads, or take a scene of an order in h, such as viscoelastic or signorini";
+    let hint = "leave out --loads, or take a scene of an order in h, such as viscoelastic or state-grazing";
     scene.refuse_if(interpolated, "exact.interpolated", what, hint)?;
     if let Body::Contact(body) = &mut scene.body
         && let Data::Exact { form, .. } = &mut body.data
