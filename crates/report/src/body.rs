@@ -1,12 +1,11 @@
 //! A deformed plane body: stress by shade, yielding cells, pressure on Γ3 as arrows.
 
-use crate::canvas::{
-    Anchor, Canvas, CanvasPoint, Colour, DASHES, INK, LINE, PAPER, View, colour,
-    corners as corners_of, mixed, span,
-};
+use crate::canvas::{Anchor, Canvas, CanvasPoint, DASHES, LINE, View, corners as corners_of, span};
 use crate::chart::Frame;
 use crate::digits;
+use crate::palette::{Colour, INK, colour, mixed};
 use crate::ruler::{Room, Ruler, Scale};
+use crate::sheet::PAPER;
 
 /// A triangle of the deformed mesh.
 #[derive(Debug, Clone, PartialEq)]
@@ -185,7 +184,7 @@ const NEXT_LINE: f64 = 32.0;
 pub enum Ink {
     /// Γ1: a heavy line with hatches.
     Clamped,
-    /// A plane of symmetry, in long dashes.
+    /// A plane of symmetry: a heavy line without hatches, which shows on both sides of the body moved along it.
     Symmetry,
     /// Γ2.
     Traction,
@@ -268,7 +267,7 @@ impl Sketch {
 fn look(ink: Ink) -> (Colour, u32, Option<(f64, f64)>) {
     match ink {
         Ink::Clamped => (Colour(0, 0, 0), 5, None),
-        Ink::Symmetry => (Colour(0, 0, 0), 4, Some((30.0, 8.0))),
+        Ink::Symmetry => (Colour(0, 0, 0), 9, None),
         Ink::Traction => (colour(0), 4, None),
         Ink::Contact => (colour(1), 9, None),
         Ink::Moved => (colour(2), 4, Some((18.0, 11.0))),

@@ -7,9 +7,8 @@ use plotters::style::text_anchor::{HPos, Pos, VPos};
 use plotters::style::{Color, FontStyle, FontTransform, TextStyle};
 
 use super::backend::{Elements, moves};
-pub(super) use super::palette::{COLOURS, Colour, GRID, INK, colour, mixed};
-pub(super) use super::sheet::{PAPER, RULES, without};
-use super::sheet::{WORDS, WORDS_ON_TINT, style};
+use super::palette::{Colour, INK};
+use super::sheet::{PAPER, WORDS, WORDS_ON_TINT, style};
 
 pub(super) const SIZE: (u32, u32) = (1800, 1120);
 

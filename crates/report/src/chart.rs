@@ -1,8 +1,7 @@
 //! A picture of series over two axes.
 
-use crate::canvas::{
-    Anchor, Canvas, CanvasPoint, Colour, DASHES, GRID, INK, LINE, SIZE, TEXT, colour,
-};
+use crate::canvas::{Anchor, Canvas, CanvasPoint, DASHES, LINE, SIZE, TEXT};
+use crate::palette::{Colour, GRID, INK, colour};
 use crate::ruler::{Room, Ruler, Scale};
 
 /// x and y.

@@ -1,8 +1,8 @@
 //! The forest plot: every observed order with its interval and prediction, a row each.
 
 use super::canvas::{Anchor, Canvas, CanvasPoint};
-use super::canvas::{COLOURS, Colour, GRID, INK};
 use super::document::Group;
+use super::palette::{COLOURS, Colour, GRID, INK};
 use judge::fit::TOLERANCE;
 use judge::verdict::{Decision, Verdict};
 
@@ -173,7 +173,7 @@ fn draw_row(canvas: &mut Canvas, left: f64, y: f64, named: &str, row: &Row) {
     match row.decision {
         Decision::Pass => canvas.fill_box(square(at, POINT), ink, 1.0),
         Decision::Fail | Decision::Unresolved => {
-            canvas.fill_box(square(at, POINT), super::canvas::PAPER, 1.0);
+            canvas.fill_box(square(at, POINT), super::sheet::PAPER, 1.0);
             canvas.line_box(square(at, POINT), ink, 2)
         }
     }
@@ -198,7 +198,7 @@ fn across(apart: f64) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use super::super::canvas::without;
+    use super::super::sheet::without;
     use super::*;
 
     fn row(scene: &str, apart: Option<[f64; 3]>, as_expected: bool) -> Line {

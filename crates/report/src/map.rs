@@ -1,9 +1,11 @@
 //! A map: one row of cells per line, each cell with words and a colour for its outcome.
 
 use crate::SceneSummary;
-use crate::canvas::{Anchor, Canvas, Colour, PAPER, SIZE, mixed};
+use crate::canvas::{Anchor, Canvas, SIZE};
 use crate::convergence::norms;
+use crate::palette::{Colour, mixed};
 use crate::ruler::step_label;
+use crate::sheet::PAPER;
 use judge::fit::{Direction, JointFit, Point, joint_fits, screen};
 use judge::record::{CaseRecord, norm_label};
 

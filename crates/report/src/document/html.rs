@@ -1,7 +1,7 @@
 //! The document as a self-contained page; a script only sorts tables.
 
 use super::{Block, Card, Document, Equation, Figure, Run, Section, Table, Tone};
-use crate::canvas;
+use crate::sheet;
 use crate::symbols::{escaped, scripts};
 use files::counted;
 
@@ -25,7 +25,7 @@ pub(crate) fn page(document: &Document) -> String {
          <title>{title}</title>\n<link rel=\"icon\" href=\"data:,\">\n\
          <style>\n{STYLE}{}</style>\n</head>\n<body>\n<header>\n<h1>{title}</h1>\n<p>{}</p>\n\
          {}</header>\n<main>\n{sections}</main>\n<script>\n{SCRIPT}</script>\n</body>\n</html>\n",
-        canvas::RULES,
+        sheet::RULES,
         escaped(&document.made_by),
         contents(document),
         title = escaped(&document.title),
@@ -183,7 +183,7 @@ fn of_figure(figure: &Figure) -> String {
 /// An accessible picture. The page has the style sheet of all pictures once, and sets their sizes.
 fn labelled(svg: &str, caption: &str) -> String {
     let label = escaped(caption);
-    canvas::without(svg).replacen("<svg ", &format!("<svg role=\"img\" aria-label=\"{label}\" "), 1)
+    sheet::without(svg).replacen("<svg ", &format!("<svg role=\"img\" aria-label=\"{label}\" "), 1)
 }
 
 fn joined(runs: &[Run]) -> String {

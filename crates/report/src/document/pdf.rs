@@ -14,7 +14,7 @@ use typst_layout::PagedDocument;
 use typst_pdf::{PdfOptions, pdf as export};
 
 use super::DATA;
-use crate::{ReportError, canvas};
+use crate::{ReportError, sheet};
 
 const MAIN: &str = "report.typ";
 /// The font of pictures: the generic name in their SVG has none in a PDF.
@@ -97,7 +97,7 @@ impl World for Sheets {
         }
         let path = self.dir.join(name);
         let svg = read_text(&path).map_err(|error| FileError::from_io(error.source, &path))?;
-        Ok(Bytes::from_string(canvas::without(&svg).replace("font-family=\"sans-serif\"", FACE)))
+        Ok(Bytes::from_string(sheet::without(&svg).replace("font-family=\"sans-serif\"", FACE)))
     }
 
     fn font(&self, index: usize) -> Option<Font> {
