@@ -68,6 +68,15 @@ const SHARED: [(&str, &str); 10] = [
     ("recommendation.cautious", "A run that is recommended"),
     ("state", "solve"),
 ];
+/// Commands whose output has these keys, which stand in a section of their own.
+const TOP: [(&[&str], &[&str], &str); 2] = [
+    (&["verify"], &["failures", "provenance", "verdicts"], "run, gate, merge"),
+    (
+        &["bound", "gronwall", "audit", "trade", "diagnose", "extremes"],
+        &["claims", "fingerprint", "holds", "scene"],
+        "A study",
+    ),
+];
 /// Objects whose keys are names.
 const MAPS: [&str; 3] = ["provenance.scenes", "constants", "grids[].effectivity"];
 const PAGE: &str = "docs/JSON.md";
@@ -127,9 +136,13 @@ fn printed() -> Sections {
             let output = sweep(&run.split_whitespace().collect::<Vec<_>>());
             assert!(!output.stdout.is_empty(), "{run}: {}", stderr(&output));
             let mut document = json(&output);
-            // What verify prints beside its own keys is what run prints.
-            if let (true, Some(keys)) = (section == "verify", document.as_object_mut()) {
-                keys.retain(|key, _| !["failures", "provenance", "verdicts"].contains(&&**key));
+            for (_, keys, elsewhere) in TOP.iter().filter(|(of, ..)| of.contains(&section)) {
+                for key in keys.iter() {
+                    let value = document.as_object_mut().and_then(|document| document.remove(*key));
+                    if let Some(value) = value {
+                        collect(&serde_json::json!({ *key: value }), elsewhere, "", &mut found);
+                    }
+                }
             }
             collect(&document, section, "", &mut found);
         }
@@ -255,9 +268,9 @@ fn rewritten(page: &str, printed: &Sections) -> String {
     let old = written(page);
     let nothing = Vec::new();
     let mut text = page.split("\n## ").next().unwrap_or_default().to_owned();
-    let mut shared = SHARED.map(|(_, section)| section).to_vec();
-    shared.dedup();
-    let order = shared[..4].iter().copied().chain(RUNS.iter().map(|(section, _)| *section));
+    let shared =
+        ["A verdict", "A claim", "A study", "A guaranteed bound", "A run that is recommended"];
+    let order = shared.into_iter().chain(RUNS.iter().map(|(section, _)| *section));
     for section in order {
         let rows = old.get(section).unwrap_or(&nothing);
         let _ = write!(text, "\n## {section}\n\n| key | type | what |\n|---|---|---|\n");
