@@ -5,6 +5,7 @@
 
 use crate::shipped::{on_mesh, setup};
 use fem::contact::BoundaryRule;
+use fem::norms::StepErrors;
 
 const RULES: [BoundaryRule; 3] = [BoundaryRule::Vertex, BoundaryRule::Gauss, BoundaryRule::Exact];
 const MESHES: [u32; 3] = [8, 16, 32];
@@ -38,5 +39,29 @@ fn the_three_rules_have_the_same_order() {
                 assert!(apart > 1e-12, "{name}, mesh {n}: the rules are one");
             }
         }
+    }
+}
+
+/// Vertex or integral contact: the answer of docs/GALLERY.md.
+#[test]
+fn the_rules_differ_as_the_gallery_says() {
+    let largest = |name: &str, rule: BoundaryRule, of: fn(&StepErrors) -> f64| {
+        let mut setup = setup(name);
+        setup.model.boundary.as_mut().expect("contact").rule = rule;
+        let found = crate::shipped::errors(&setup, &setup.model, &on_mesh(&setup, 32), 64);
+        found.iter().map(of).fold(0.0f64, |worst, e| if e.is_nan() { e } else { worst.max(e) })
+    };
+    let ratio = |name: &str, of: fn(&StepErrors) -> f64| {
+        let [vertex, gauss, _] = RULES.map(|rule| largest(name, rule, of));
+        gauss / vertex
+    };
+    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/docs/GALLERY.md");
+    let text = std::fs::read_to_string(path).expect("the document");
+    for name in ["compliance", "law-linear"] {
+        let (strain, trace) = (ratio(name, |e| e.v), ratio(name, |e| e.trace));
+        println!("{name} {strain} {trace}");
+        assert!((strain - 1.0).abs() < 1e-3, "{name}: {strain}");
+        let said = format!("{trace:.2} times on `{name}`");
+        assert!(text.replace('\n', " ").contains(&said), "docs/GALLERY.md does not say {said}");
     }
 }

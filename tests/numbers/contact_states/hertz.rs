@@ -7,7 +7,7 @@
 
 use studies::solution::FinalState;
 
-use crate::shipped::{on_mesh, relative, run, setup};
+use crate::shipped::{edited, on_mesh, relative, run, setup, setup_of, text};
 
 const MODULUS: f64 = 8.0 / 3.0;
 
@@ -82,6 +82,51 @@ fn half_width_and_peak_pressure_converge() {
     // A seeded defect: the modulus of plane stress, 2.5 in place of 8/3.
     let [a, p] = hertz(rows[2][0], 2.5, layer_integral(2.0));
     assert!(relative(rows[2][2], a) > 2e-2 && relative(rows[2][3], p) > 2e-2);
+}
+
+/// The contact force at the first and the last level of `hertz` with N steps to T = 4 and ℬ(t) = kernel(t) 𝒜.
+fn relaxing(kernel: &str, steps: u32) -> [f64; 2] {
+    let memory =
+        format!("[material.memory]\nkernel = \"{kernel}\"\nlambda = 1.0\nmu = 1.0\n\n[contact]");
+    let held = edited(&text("hertz"), "[contact]", &memory);
+    let setup = setup_of(edited(&held, "horizon = 1.0", "horizon = 4.0"));
+    let data = on_mesh(&setup, 16);
+    let mut forces = Vec::new();
+    run(&setup, &setup.model, &data, steps, |view| {
+        forces.push(FinalState::new(&data.space, &setup.model, view).contact_force);
+    })
+    .unwrap_or_else(|error| panic!("{error}"));
+    [forces[0], forces[forces.len() - 1]]
+}
+
+/// What the pressure of a held body is a multiple of: 1 + ∫ b(t - s) ds by the trapezoidal rule, b(t) = -a exp(-t).
+fn held(a: f64, steps: u32) -> f64 {
+    let k = 4.0 / f64::from(steps);
+    let end = |i: u32| if i == 0 || i == steps { 0.5 } else { 1.0 };
+    1.0 - a * (0..=steps).map(|i| k * end(i) * (-k * f64::from(i)).exp()).sum::<f64>()
+}
+
+/// A body that an obstacle holds keeps u, so that σ(t) = (1 + ∫ b) 𝒜ε: a relaxation test.
+#[test]
+fn the_force_of_a_held_body_relaxes_as_its_kernel() {
+    let closed = 1.0 - 0.5 * (1.0 - (-4.0_f64).exp());
+    let apart = [16, 32, 64].map(|steps| {
+        let [first, last] = relaxing("-0.5*exp(-t)", steps);
+        // The solver leaves 1e-10 of the largest force.
+        assert!(relative(last / first, held(0.5, steps)) < 1e-9, "{steps}: {first} {last}");
+        // Seeded: a memory of 0.45.
+        assert!(relative(last / first, held(0.45, steps)) > 0.05);
+        relative(last / first, closed)
+    });
+    println!("{closed}, apart {apart:?}");
+    // What the rule adds to ∫b by Euler and Maclaurin: k²/12 times the jump of b′ over (0, T).
+    for (steps, apart) in [16.0_f64, 32.0, 64.0].iter().zip(apart) {
+        let leading = (4.0 / steps).powi(2) / 12.0 * 0.5 * (1.0 - (-4.0_f64).exp()) / closed;
+        assert!(relative(apart, leading) < 0.01, "{steps}: {apart} for {leading}");
+    }
+    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/docs/GALLERY.md");
+    let gallery = std::fs::read_to_string(path).expect("the document");
+    assert!(gallery.contains(&format!("k = 1/8 `sweep solve` is {:.2} % off", 100.0 * apart[1])));
 }
 
 #[test]

@@ -8,7 +8,7 @@ use algebra::in_dimension;
 /// Errors at one time level.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct StepErrors {
-    /// ‖ε(u_n - u_n^{kh})‖, cell by cell; with Σ_e ∫ [u_n^{kh}]²/h_e in its square where functions jump.
+    /// ‖ε(u_n - u_n^{kh})‖.
     pub v: f64,
     /// ‖u_n - u_n^{kh}‖.
     pub l2: f64,
