@@ -41,9 +41,9 @@ compare: ## scikit-fem beside this program on the punch scenes, in one run; CASE
 	$(CARGO) build --release --bin sweep
 	$(COMPARE)/bin/python benches/compare/side_by_side.py $(BUILT)/release/sweep $(CASES)
 
-verify-examples: ## scikit-fem under `sweep verify`, sound and with a deliberate mistake
+verify-examples: ## scikit-fem, numpy and NGSolve under `sweep verify`, sound and with a deliberate mistake
 	test -x $(COMPARE)/bin/python || $(PYTHON) -m venv $(COMPARE)
-	$(COMPARE)/bin/pip install --quiet scikit-fem==12.0.2 scipy numpy
+	$(COMPARE)/bin/pip install --quiet scikit-fem==12.0.2 scipy numpy ngsolve==6.2.2608
 	$(CARGO) build --release --bin sweep
 	tests/verify_examples.sh $(BUILT)/release/sweep $(COMPARE)/bin/python
 

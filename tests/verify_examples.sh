@@ -42,6 +42,10 @@ beside "numpy alone" "$begin" viscoelastic
 beside "numpy alone" "$begin" prony
 beside "numpy alone" "$begin" signorini --pressure
 beside "numpy alone" "$begin" state-instant --pressure
+ng="$python docs/solvers/ngsolve_p1.py"
+beside NGSolve "$ng" viscoelastic
+beside NGSolve "$ng" prony
+beside NGSolve "$ng" layered
 if command -v FreeFem++ >/dev/null; then
     # Debian keeps plugins and include files where its FreeFem++ does not look.
     export FF_LOADPATH=${FF_LOADPATH:-/usr/lib/freefem++} FF_INCLUDEPATH=${FF_INCLUDEPATH:-/usr/include/freefem++/idp}
@@ -65,13 +69,14 @@ status=0
 "$sweep" verify prony --solver "$solver --rule rectangle" --out "$out/wrong" >"$out.log" 2>&1 || status=$?
 caught "the memory is summed by the left-hand rectangle rule"
 
-# named CAUSE SCENE EDIT OPTIONS...: the same of the solver with a mistake, made by sed.
+# named CAUSE SCENE EDIT OPTIONS...: the same of the solver $of with a mistake, made by sed.
+of=scikit_fem
 named() {
     local cause=$1 scene=$2 edit=$3
     shift 3
-    echo "$scene, with a mistake: $edit"
-    sed "$edit" docs/solvers/scikit_fem.py >"$out/wrong.py"
-    ! cmp -s "$out/wrong.py" docs/solvers/scikit_fem.py
+    echo "$of, $scene, with a mistake: $edit"
+    sed "$edit" "docs/solvers/$of.py" >"$out/wrong.py"
+    ! cmp -s "$out/wrong.py" "docs/solvers/$of.py"
     status=0
     "$sweep" verify "$scene" --solver "$python $out/wrong.py" --out "$out/wrong" "$@" >"$out.log" 2>&1 || status=$?
     caught "$cause"
@@ -81,6 +86,9 @@ named "the loads are those of the level before" prony 's/self.loads\[n\]/self.lo
 named "the tensors of elasticity and memory" viscoelastic 's/return 2 \* law/return law/' --n 8,16,32
 named "contact: 1.0500 times the gap" state-instant 's/self.gap, self.weight = /&1.05 * /' --pressure
 named "pressures: forces of the vertices" state-instant 's,residual / self.weight,residual,' --pressure
+of=ngsolve_p1
+named "the tensors of elasticity and memory" viscoelastic 's/2 \* law/law/' --n 8,16,32
+named "the memory has the other sign" prony 's/np.load("kernels/-&/'
 
 # assembled CAUSE SCENE EDIT: the same of loads that it assembles; orders may pass, but the cause is named.
 assembled() {
