@@ -282,8 +282,11 @@ fn of_past(left: &Left<'_>, offer: &mut Offer<'_>) {
 fn of_loads(left: &Left<'_>, offer: &mut Offer<'_>) {
     let loads: Vec<Vec<f64>> = left.loads.iter().map(|load| load.to_vec()).collect();
     let late = |n: usize| minus(loads[n.saturating_sub(1)].clone(), &loads[n]);
-    let column = (0..loads.len()).map(late).collect();
-    offer(Cause::Loads, true, &[column], &|_| "the loads are those of the level before".into());
+    let column = [(0..loads.len()).map(late).collect()];
+    offer(Cause::Loads, true, &column, &|_| "the loads are those of the level before".into());
+    offer(Cause::Loads, false, &column, &|c| {
+        format!("the loads are late by {:.4} of a step, between two levels", c[0])
+    });
     // dF/dt by a difference over a share of a step.
     let slope = |n: usize| {
         let (t, by) = (left.grid.time(n), 1e-4 * left.grid.largest_step());
