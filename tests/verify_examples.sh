@@ -99,9 +99,10 @@ named "cause: the memory is left out" prony 's/\[matrix(term\[0\]) for .*\]$/[]/
 named "cause: the memory has the other sign" prony 's/lags = weights/lags = -weights/'
 named "cause: the memory is summed by the right-hand rectangle rule" prony \
     's/= k if rule == "rectangle" else k \/ 2/= 0/; s/0 if rule == "rectangle" else k \/ 2/k/'
-# As u(0) = 0 there, this is the right-hand rule.
-named "cause: the memory is summed by the right-hand rectangle rule" prony 's/lags\[n\] \* memory/2 * &/'
+named "cause: the memory has twice the last weight" prony 's/lags\[n\] \* memory/2 * &/'
 named "cause: the memory has its kernel at t_n - t_j + k" prony 's/kernel\[n::-1\]/np.append(kernel[1:], kernel[-1] ** 2 \/ kernel[-2])[n::-1]/'
+named "cause: the memory leaves out the level t = 0" prony 's/^        return weights$/        weights[0] = 0\n&/'
+named "cause: the memory keeps its last term alone" prony 's/lags\[:n\] @/0 * &/'
 named "cause: the memory is of u_(j-1) in place of u_j" prony 's/lags\[:n\] @ u\[:n\]/lags[1 : n + 1] @ u[:n]/; s/operator = operator + .*/pass/'
 named "cause: the memory has twice the first weight" state-instant 's/^        return weights$/        weights[0] *= 2\n&/' --pressure
 obstacle() {

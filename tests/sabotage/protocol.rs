@@ -79,6 +79,8 @@ const MISTAKES: [(&str, &[Mistake]); 10] = [
             ("right-hand rectangle rule", None),
             ("left-hand rectangle rule", None),
             ("last weight k, not k/2", None),
+            ("first weight 0, not k/2", None),
+            ("last weight alone, no sum over the past", None),
             ("kernel at t_n - t_j + k", None),
             ("memory of u_{j-1} in place of u_j", None),
         ],

@@ -116,6 +116,16 @@ pub fn defects() -> Vec<Defect> {
         ),
         ruled!(
             Term::TimeRule,
+            "first weight 0, not k/2",
+            Weights(|grid, n, j| if j == 0 { 0.0 } else { sound(grid, n, j) })
+        ),
+        ruled!(
+            Term::TimeRule,
+            "last weight alone, no sum over the past",
+            Weights(|grid, n, j| if j == n { sound(grid, n, j) } else { 0.0 })
+        ),
+        ruled!(
+            Term::TimeRule,
             "both end weights k",
             Weights(|grid, n, j| sound(grid, n, j) * if j == 0 || j == n { 2.0 } else { 1.0 })
         ),

@@ -184,7 +184,7 @@ fn plain(q: &dyn HistoryKernel, grid: &TimeGrid, n: usize, j: usize) -> f64 {
 }
 
 /// Sums over the past that are often written in place of the right ones.
-const SUMS: [(&str, Weight); 11] = [
+const SUMS: [(&str, Weight); 13] = [
     ("is left out", |_, _, _, _, _| 0.0),
     ("has the other sign", |_, _, _, _, own| -own),
     ("is summed by the right-hand rectangle rule", |q, grid, n, j, _| match j {
@@ -215,6 +215,8 @@ const SUMS: [(&str, Weight); 11] = [
         _ => plain(q, grid, n, j),
     }),
     ("leaves out the level itself", |_, _, n, j, own| if j == n { 0.0 } else { own }),
+    ("leaves out the level t = 0", |_, _, _, j, own| if j == 0 { 0.0 } else { own }),
+    ("keeps its last term alone", |_, _, n, j, own| if j == n { own } else { 0.0 }),
     ("is summed by the trapezoidal rule", |q, grid, n, j, _| plain(q, grid, n, j)),
 ];
 
