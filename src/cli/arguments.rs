@@ -58,7 +58,7 @@ pub(super) enum Command {
     Extremes(study::Extremes),
     /// Measure time against error over the settings of a scene, and find the cheapest n and N
     Trade(study::TradeCommand),
-    /// Fit orders to a table with columns h, k, error
+    /// Judge the orders of errors in any table
     Fit(fit::Fit),
     /// Test another program's solver with the same sweep
     Verify(verify::Verify),

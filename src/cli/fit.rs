@@ -25,7 +25,8 @@ use report::{AnnotationPlace, write_junit};
 comma, semicolon, tab, blanks or |; LaTeX, lines of `name = value`, lists and transposed tables are read too. The last line says what was read \
 and what was left out. Sizes: h, dx or hmax; k, dt or tau; n or N and steps, which are 1/h and 1/k; cells or dofs with --dimension; level, \
 where h = 2^-level; none with --ratio. Errors: error, norms side by side (L2, H1, Linf, energy, error_u, ...), and every column that \
---p or --q name, each of them judged. A column value in place of error is a functional without an exact value: the \
+--p or --q name, each of them judged. Results without an exact value, such as a largest displacement or a force, \
+go into a column named `value`. The \
 extrapolated value, its order, the grid convergence index and the Eça-Hoekstra uncertainty are then printed. Optional: \
 floor, sigma (standard deviation of the error), norm, scene, status. Rates and counters are left out. Rows with the same scene and norm are \
 one table, and so are those with one value of a column of words, or of one that tells levels apart which come again (degree, scheme); its name is then \

@@ -244,6 +244,18 @@ fn no_link_is_broken() {
     assert_eq!(broken("docs/FAQ.md", "[a](NOWHERE.md#b)"), ["docs/FAQ.md: NOWHERE.md"]);
 }
 
+/// Package registries show these pages, and no other file of the repository.
+#[test]
+fn published_pages_have_no_relative_links() {
+    let manifest = read("Cargo.toml");
+    assert!(manifest.contains("\nreadme = \"src/README.md\"\n"));
+    let relative = |text: &str| text.split("](").skip(1).any(|rest| !rest.starts_with("https://"));
+    for page in ["src/README.md", "crates/judge/README.md", "python/README.md"] {
+        assert!(!relative(&read(page)), "{page}");
+    }
+    assert!(relative(&read("README.md")));
+}
+
 /// What is wrong with the first lines of a page.
 fn names_no_reader(text: &str) -> bool {
     let mut lines = text.lines().filter(|line| !line.is_empty());
@@ -267,6 +279,7 @@ fn every_page_names_its_reader_and_is_in_the_book() {
         "manufactured/REFERENCES.md",
         "python/README.md",
         "reports/README.md",
+        "src/README.md",
     ] {
         assert!(!names_no_reader(&read(page)), "{page} names no reader");
     }

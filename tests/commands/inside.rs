@@ -122,7 +122,7 @@ fn three_lines() -> Vec<Vec<String>> {
     let block = page.split("```sh\n").nth(1).and_then(|rest| rest.split("```").next());
     let lines: Vec<&str> = block.expect("a block").lines().collect();
     assert_eq!(lines.len(), 3, "{lines:?}");
-    assert_eq!(lines[0], "pip install gronwall");
+    assert_eq!(lines[0], "pip install ./gronwall/python");
     lines[1..].iter().map(|line| shlex::split(line).expect("words")).collect()
 }
 
