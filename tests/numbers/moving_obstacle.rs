@@ -30,12 +30,9 @@ const GAP: [&str; 2] =
 fn scene(d: usize, more: &str) -> Setup {
     let [shape, size, sides, last] = match d {
         2 => ["rectangle", "[1.0, 1.0]", "\"left\", \"right\"", ""],
-        _ => [
-            "box",
-            "[1.0, 1.0, 1.0]",
-            "\"left\", \"right\", \"front\", \"back\"",
-            ", \"0.5*t*z\"",
-        ],
+        _ => {
+            ["box", "[1.0, 1.0, 1.0]", "\"left\", \"right\", \"front\", \"back\"", ", \"0.5*t*z\""]
+        }
     };
     setup_of(format!(
         "[scene]\nname = \"lifted\"\nquestion = \"?\"\ndimension = {d}\njudge = false\n\
@@ -128,7 +125,8 @@ fn a_gap_that_moves_is_a_load_of_the_lifted_problem() {
         let space = &*data.space;
         assert_eq!(Plan::of(space, &setup.model), plan, "{d} {more}");
         let moving = levels(&setup, &setup.model, &data, &mut TruthLoad(&*data.truth));
-        let held: usize = moving.iter().flat_map(|(_, lambda)| lambda).filter(|l| **l > 0.0).count();
+        let held: usize =
+            moving.iter().flat_map(|(_, lambda)| lambda).filter(|l| **l > 0.0).count();
         let points = space.trace.points.len() * moving.len();
         assert!(0 < held && held < points, "{d} {more}: {held} of {points} points are locked");
 
@@ -144,7 +142,8 @@ fn a_gap_that_moves_is_a_load_of_the_lifted_problem() {
         assert!(off < EQUAL, "{d} {more}: {off:e}");
 
         let late = |t: f64| (t - 1.0 / f64::from(STEPS)).max(0.0);
-        for (name, of) in [("of t = 0", (|_| 0.0) as fn(f64) -> f64), ("of the level before", late)] {
+        for (name, of) in [("of t = 0", (|_| 0.0) as fn(f64) -> f64), ("of the level before", late)]
+        {
             model.boundary.as_mut().expect("contact").gap = Box::new(move |x, t| gap(x, of(t)));
             let wrong = levels(&setup, &model, &data, &mut TruthLoad(&*data.truth));
             let off = largest_difference(&wrong, &lifted);
