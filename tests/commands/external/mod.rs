@@ -248,7 +248,7 @@ fn a_gap_that_moves_is_a_table_of_levels() {
         let expected = 0.07 + 0.02 * (2.0 * n as f64).sin();
         assert!(gaps.iter().all(|gap| (gap - expected).abs() < 1e-15), "{n}: {gaps:?}");
     }
-    assert!(rows(&folder.at("case/contact.csv")).iter().all(|row| row[5] == "0.07"));
+    assert!(rows(&folder.at("case/contact.csv")).iter().all(|row| &row[5] == "0.07"));
 }
 
 #[test]
