@@ -41,6 +41,7 @@ begin="$python docs/solvers/numpy_p1.py"
 beside "numpy alone" "$begin" viscoelastic
 beside "numpy alone" "$begin" prony
 beside "numpy alone" "$begin" signorini --pressure
+beside "numpy alone" "$begin" moving-obstacle --pressure
 beside "numpy alone" "$begin" state-instant --pressure
 ng="$python docs/solvers/ngsolve_p1.py"
 beside NGSolve "$ng" viscoelastic

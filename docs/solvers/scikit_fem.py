@@ -110,6 +110,7 @@ class Case:
             (len(case["regions"]) > 1, "regions"),
             (any("mandel" in tensor for tensor in case["elasticity"]), "full tensors"),
             (law["kind"] != "none", f"the law {law['kind']}"),
+            ((self.directory / "gap.npy").exists(), "an obstacle that moves"),
             ("friction" in (case["contact"] or {}), "friction"),
             (any(case["singular"]), "kernels that are infinite at lag zero"),
             (not case["uniform"], "a grid that is not uniform"),

@@ -61,6 +61,8 @@ class Case:
         ``data["singular"]`` has a > 0.
     loads : ndarray, (N + 1, vertices, d)
         The load functional on each hat function.
+    gap : ndarray or None
+        (N + 1, rows of Gamma3), where the gap depends on t; ``contact`` has that of t = 0.
     friction : ndarray or None
         (N + 1, rows of Gamma3), the factor of the bound of friction.
     cell_rule, facet_rule : ndarray or None
@@ -84,6 +86,7 @@ class Case:
     times: NDArray[Any]
     kernels: NDArray[Any] | None
     loads: NDArray[Any]
+    gap: NDArray[Any] | None = None
     friction: NDArray[Any] | None = None
     symmetry: dict[str, NDArray[Any]] | None = None
     cell_rule: NDArray[Any] | None = None
@@ -193,7 +196,7 @@ def _case(raw: dict[str, Any], numpy: Any) -> Case:
         kernels=array("kernels") if "kernels" in raw else None,
         loads=array("loads"),
         symmetry={"vertex": array("symmetry_vertices"), "normal": array("symmetry_normals")},
-        **{name: array(name) for name in ("friction", *DENSITIES) if name in raw},
+        **{name: array(name) for name in ("gap", "friction", *DENSITIES) if name in raw},
     )
 
 

@@ -51,6 +51,7 @@ pub fn case<'py>(py: Python<'py>, given: &Given, data: &MeshData) -> PyResult<Bo
     doubles("times", &[given.times.len()], &given.times)?;
     let array = |name: &str, array: &Array| doubles(name, &array.shape, &array.numbers);
     given.kernels.iter().try_for_each(|kernels| array("kernels", kernels))?;
+    given.gaps.iter().try_for_each(|gaps| array("gap", gaps))?;
     given.friction.iter().try_for_each(|friction| array("friction", friction))?;
     for (name, values) in DENSITIES.iter().zip(given.densities.iter().flatten()) {
         array(name, values)?;

@@ -43,7 +43,8 @@ fn paid_for_nothing(setup: &Setup, data: &MeshData, info: &CaseInfo) -> Vec<Stri
         && model.boundary.as_ref().is_none_or(|boundary| {
             let points = data.space.trace.points.iter();
             let mut places = points.map(|point| data.space.mesh.point(&[point.vertex], &[1.0]));
-            boundary.potential.jumps().is_empty() && places.all(|x| (boundary.gap)(x).is_infinite())
+            boundary.potential.jumps().is_empty()
+                && places.all(|x| (boundary.gap)(x, 0.0).is_infinite())
         });
     zero(one_piece, "changes of the active set", info.active_set_changes as usize);
     zero(model.projection.is_none(), "assembled tangents", info.work.tangents as usize);

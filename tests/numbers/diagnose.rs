@@ -121,9 +121,8 @@ fn with_law(mut setup: Setup, law: fn(&[[f64; 2]]) -> Points) -> Setup {
 
 fn with_gap(mut setup: Setup, seen: fn(f64) -> f64) -> Setup {
     if let Some(boundary) = &mut setup.model.boundary {
-        let zero: Box<dyn Fn([f64; 3]) -> f64 + Send + Sync> = Box::new(|_| 0.0);
-        let gap = std::mem::replace(&mut boundary.gap, zero);
-        boundary.gap = Box::new(move |x| seen(gap(x)));
+        let gap = std::mem::replace(&mut boundary.gap, Box::new(|_, _| 0.0));
+        boundary.gap = Box::new(move |x, t| seen(gap(x, t)));
     }
     setup
 }
@@ -281,10 +280,9 @@ fn defects() -> Vec<(&'static str, &'static str, Suspect, Hook)> {
         }),
         ("signorini", "gap at every other vertex", Gap, |mut s| {
             if let Some(boundary) = &mut s.model.boundary {
-                let none: Box<dyn Fn([f64; 3]) -> f64 + Send + Sync> = Box::new(|_| f64::INFINITY);
-                let gap = std::mem::replace(&mut boundary.gap, none);
-                boundary.gap = Box::new(move |x| {
-                    if (8.0 * x[0]).round() % 2.0 == 0.0 { f64::INFINITY } else { gap(x) }
+                let gap = std::mem::replace(&mut boundary.gap, Box::new(|_, _| f64::INFINITY));
+                boundary.gap = Box::new(move |x, t| {
+                    if (8.0 * x[0]).round() % 2.0 == 0.0 { f64::INFINITY } else { gap(x, t) }
                 });
             }
             s

@@ -33,6 +33,7 @@ mod laws;
 mod load_totals;
 mod loads;
 mod materials;
+mod moving_obstacle;
 mod newton;
 mod oblique;
 mod orders;

@@ -33,7 +33,7 @@ const IN_SPACE: &[(&str, &str)] = &[(
 )];
 
 /// The columns. On its mesh of eight `signorini` has floors under its pressure: zones that cut cells.
-const SCENES: [Row; 14] = [
+const SCENES: [Row; 15] = [
     ("viscoelastic", &[], &[8, 16, 32], &[16]),
     ("prony", &[], &[2], &[4, 8, 16, 32, 64]),
     ("signorini", &[], &[16, 32, 64], &[8]),
@@ -43,6 +43,7 @@ const SCENES: [Row; 14] = [
     ("state-open", &[], &[8, 16, 32], &[8]),
     ("affine-graded", &[], &[2], &[16, 32, 64, 128]),
     ("affine-locked", &[], &[2], &[4, 8, 16, 32, 64]),
+    ("moving-obstacle-time", &[], &[2], &[4, 8, 16, 32, 64]),
     ("friction-front", IN_SPACE, &[8, 16, 32], &[8]),
     ("friction-coulomb", IN_SPACE, &[8, 16, 32], &[8]),
     ("friction-time", &[], &[2], &[6, 12, 24, 48, 96]),
@@ -54,7 +55,7 @@ const SCENES: [Row; 14] = [
 type Mistake = (&'static str, Option<&'static str>);
 
 /// The scene that sees all mistakes of its group.
-const MISTAKES: [(&str, &[Mistake]); 10] = [
+const MISTAKES: [(&str, &[Mistake]); 11] = [
     (
         "viscoelastic",
         &[
@@ -128,6 +129,10 @@ const MISTAKES: [(&str, &[Mistake]); 10] = [
             ("ζ explicit: its last weight on the level before", None),
             ("ζ without its square root", None),
         ],
+    ),
+    (
+        "moving-obstacle-time",
+        &[("gap of t = 0 at all times", None), ("gap of the level before", None)],
     ),
     (
         "friction-front",
@@ -382,6 +387,16 @@ fn no_sound_solver_is_accused() {
         }
     }
     assert!(looked_at > 200, "{looked_at}");
+}
+
+/// Which gap a solver takes of an obstacle that moves is said in words.
+#[test]
+fn a_gap_of_another_time_is_named() {
+    let stage = Stage::new(&("moving-obstacle-time", &[], &[2], &[4, 8, 16]));
+    for name in ["gap of t = 0 at all times", "gap of the level before"] {
+        let found = stage.cause(&mistake(name)).expect("a cause");
+        assert_eq!(found.says, format!("contact: the {name}"));
+    }
 }
 
 /// The table of docs/EXTERNAL.md.

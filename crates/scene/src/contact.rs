@@ -16,7 +16,7 @@ use super::time::Time;
 /// (5.5) on Γ3: u_ν ≤ g, and ξ ∈ p(u_ν - s); friction in place of (5.6).
 #[derive(Debug, Clone, PartialEq)]
 pub struct Contact {
-    /// g, a formula in x, y; None is g = ∞.
+    /// g, a formula in x, y and t; None is g = ∞.
     pub gap: Option<Node>,
     /// s, a formula in x, y; None is 0.
     pub shift: Option<Node>,
@@ -50,7 +50,8 @@ impl Contact {
     }
 
     fn parts(reading: &mut Reading, domain: &Domain, time: &Time) -> Result<Contact, SceneError> {
-        let gap = reading.if_given("contact.gap", |reading, key| gap(reading, key, domain))?;
+        let gap =
+            reading.if_given("contact.gap", |reading, key| gap(reading, key, domain, time))?;
         let shift = reading
             .if_given("contact.shift", |reading, key| finite_on_contact(reading, key, domain))?;
         let law = reading.if_given("contact.law", |reading, key| Law::validate(reading, key))?;

@@ -1,14 +1,15 @@
-//! The gap g and the shift s: finite, and g concave on each contact side.
+//! The gap g and the shift s: finite, and g concave on each contact side, at all times.
 
 use std::collections::BTreeMap;
 
-use formula::{EvaluationPoint, Node};
+use formula::{EvaluationPoint, Node, Variable};
 
 use super::data::AXES;
 use super::diagnostic::SceneError;
 use super::domain::{Domain, Face, place};
 use super::heading::Hypothesis;
-use super::reading::{Reading, last};
+use super::reading::{Reading, in_time, last};
+use super::time::Time;
 use super::values::Formula;
 use files::digits;
 
@@ -16,6 +17,8 @@ use files::digits;
 const SAMPLES: u32 = 256;
 /// Samples along each edge of a face in space.
 const SAMPLES_OF_A_FACE: u32 = 32;
+/// Intervals of [0, T] at whose ends a gap that moves is examined.
+const TIMES: u32 = 32;
 /// Smaller second differences, relative to the gap, are rounding.
 const ROUNDING: f64 = 1e-12;
 
@@ -27,44 +30,65 @@ pub(super) fn finite_on_contact(
     let dimension = domain.dimension();
     let scope = reading.scope(&AXES[..dimension]);
     let node = reading.formula(key, &scope)?;
-    for &side in &domain.contact {
-        let points = domain.points_on(side, samples(domain, &domain.faces(side)));
-        let points = points.into_iter().map(EvaluationPoint::from);
-        reading.everywhere((key, node), points, f64::is_finite, |at, value| {
-            let (what, here, side) = (last(key), place(at, dimension), domain.name(side));
-            let hint = "it must be finite on every contact side; for no constraint at all write gap = \"inf\"";
-            (format!("`{what}` is {value} at {here} on the side {side}"), hint)
-        })?;
-    }
+    finite(reading, (key, node), domain, (0.0, 0))?;
     Ok(node)
 }
 
-/// g, or None for `inf`; concave on each contact side, unless the scene violates that on purpose.
+/// Refuses a function that is not finite on a contact side, at the ends of so many intervals of time.
+fn finite(
+    reading: &Reading,
+    (key, node): (&str, Node),
+    domain: &Domain,
+    (horizon, times): (f64, u32),
+) -> Result<(), SceneError> {
+    for &side in &domain.contact {
+        let places = domain.points_on(side, samples(domain, &domain.faces(side)));
+        let points = in_time(&places, horizon, times);
+        reading.everywhere((key, node), points, f64::is_finite, |at, value| {
+            let (what, here, side) = (last(key), place(at, domain.dimension()), domain.name(side));
+            let when = if times > 0 { format!(", t = {}", at.t) } else { String::new() };
+            let hint = "it must be finite on every contact side; for no constraint at all write gap = \"inf\"";
+            (format!("`{what}` is {value} at {here}{when} on the side {side}"), hint)
+        })?;
+    }
+    Ok(())
+}
+
+/// g(x, t), or None for `inf`; concave on each contact side, unless the scene violates that on purpose.
 pub(super) fn gap(
     reading: &mut Reading,
     key: &str,
     domain: &Domain,
+    time: &Time,
 ) -> Result<Option<Node>, SceneError> {
     if matches!(reading.required::<Formula>(key)?.0.trim(), "inf" | "+inf" | "infinity") {
         return Ok(None);
     }
-    let gap = finite_on_contact(reading, key, domain)?;
+    let scope = reading.space_and_time(domain.dimension());
+    let gap = reading.formula(key, &scope)?;
+    let times = if reading.formulas.depends_on(gap, Variable::T) { TIMES } else { 0 };
+    finite(reading, (key, gap), domain, (time.horizon, times))?;
     if !reading.violates.contains(&Hypothesis::ConcaveGap) {
-        concave(reading, gap, domain)?;
+        for n in 0..=times {
+            let t = time.horizon * f64::from(n) / f64::from(times.max(1));
+            concave(reading, gap, domain, t)?;
+        }
     }
     Ok(Some(gap))
 }
 
 /// Refuses a gap that is not concave on a plane piece of a side: (5.14) uses U^h ⊂ U.
-fn concave(reading: &Reading, gap: Node, domain: &Domain) -> Result<(), SceneError> {
+fn concave(reading: &Reading, gap: Node, domain: &Domain, t: f64) -> Result<(), SceneError> {
     for side in &domain.contact {
         let faces = domain.faces(*side);
         let intervals = samples(domain, &faces);
-        let bends = faces.iter().filter_map(|face| steepest_bend(reading, gap, face, intervals));
+        let bends =
+            faces.iter().filter_map(|face| steepest_bend(reading, (gap, t), face, intervals));
         let steepest = bends.max_by(|a, b| a.1.total_cmp(&b.1));
         let Some((point, bend)) = steepest else { continue };
+        let when = if t > 0.0 { format!(", t = {t}") } else { String::new() };
         let message = format!(
-            "the gap is not concave on the side {}: second derivative {} at {}",
+            "the gap is not concave on the side {}: second derivative {} at {}{when}",
             domain.name(*side),
             digits(bend, 5),
             place(&point, domain.dimension())
@@ -79,7 +103,7 @@ fn concave(reading: &Reading, gap: Node, domain: &Domain) -> Result<(), SceneErr
 /// detect kinks; the first of several up to rounding, None if concave.
 fn steepest_bend(
     reading: &Reading,
-    gap: Node,
+    (gap, t): (Node, f64),
     face: &Face,
     intervals: u32,
 ) -> Option<(EvaluationPoint, f64)> {
@@ -88,7 +112,7 @@ fn steepest_bend(
     let grid = face.grid(intervals).into_iter();
     let grid: BTreeMap<[i64; 2], (EvaluationPoint, f64)> = grid
         .map(|([i, j, _], place)| {
-            let at = EvaluationPoint::from(place);
+            let at = EvaluationPoint { t, ..place.into() };
             ([j, i].map(i64::from), (at, reading.formulas.evaluate(gap, &at)))
         })
         .collect();

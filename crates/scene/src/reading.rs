@@ -274,7 +274,7 @@ pub(super) fn in_time(
 
 /// Evenly spaced numbers, both ends included.
 pub(super) fn evenly(from: f64, to: f64, intervals: u32) -> impl Iterator<Item = f64> + Clone {
-    (0..=intervals).map(move |i| from + (to - from) * f64::from(i) / f64::from(intervals))
+    (0..=intervals).map(move |i| from + (to - from) * f64::from(i) / f64::from(intervals.max(1)))
 }
 
 pub(super) fn last(key: &str) -> &str {

@@ -6,7 +6,7 @@ use std::path::Path;
 use toml::de::DeTable;
 
 use fem::space::Element;
-use formula::Graph;
+use formula::{Graph, Variable};
 
 use super::abstract_scene::AbstractScene;
 use super::contact::Contact;
@@ -78,6 +78,12 @@ impl ContactScene {
     /// The normal law on Γ3.
     pub fn law(&self) -> Option<&Law> {
         self.contact.as_ref()?.law.as_ref()
+    }
+
+    /// Whether the gap depends on t.
+    pub fn gap_moves(&self, formulas: &Graph) -> bool {
+        let gap = self.contact.as_ref().and_then(|contact| contact.gap);
+        gap.is_some_and(|gap| formulas.depends_on(gap, Variable::T))
     }
 
     /// Friction on Γ3.

@@ -296,7 +296,8 @@ fn moved(
     let gap = body.contact.as_ref().and_then(|contact| contact.gap);
     let gaps = gap.map(|gap| {
         let along = |(points, _): &Surface| {
-            points.iter().map(|&x| scene.formulas.evaluate(gap, &x.into())).collect()
+            let at = |&x: &[f64; 3]| EvaluationPoint { t: scene.time.horizon, ..x.into() };
+            points.iter().map(|x| scene.formulas.evaluate(gap, &at(x))).collect()
         };
         surfaces.iter().map(along).collect::<Vec<Vec<f64>>>()
     });
@@ -326,7 +327,8 @@ fn moved(
         sketch.legend.push((Ink::Moved, format!("u(T) × {factor}")));
     }
     if gaps.is_some() {
-        sketch.legend.push((Ink::Obstacle, format!("gap g × {factor}")));
+        let when = if body.gap_moves(&scene.formulas) { "(T)" } else { "" };
+        sketch.legend.push((Ink::Obstacle, format!("gap g{when} × {factor}")));
     }
 }
 

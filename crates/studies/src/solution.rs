@@ -107,7 +107,7 @@ impl FinalState {
             self.compliance_force += point.weight * view.compliance[i];
             self.multiplier_force += point.weight * view.multiplier[i];
             let gap = model.boundary.as_ref().map_or(f64::INFINITY, |boundary| {
-                (boundary.gap)(space.mesh.point(&[point.vertex], &[1.0]))
+                (boundary.gap)(space.mesh.point(&[point.vertex], &[1.0]), view.t)
             });
             self.locked_vertices += usize::from(is_locked(normal, gap));
             if gap.is_finite() {

@@ -19,7 +19,7 @@ use crate::program::{Folder, code, json, stderr, stdout, sweep};
 use crate::shipped::{on_mesh, setup, setup_of, text};
 use fem::mesh::read_gmsh;
 use fem::norms::{StepErrors, step_errors};
-use run::external::{ExternalSolver, Way, case_dir, decode, encode, write_case};
+use run::external::{Array, ExternalSolver, Way, case_dir, decode, encode, write_case};
 use scene::setup::{MeshData, NewtonMarch, Scheme, Setup};
 
 fn errors(scheme: &dyn Scheme, setup: &Setup, data: &MeshData, steps: u32) -> Vec<StepErrors> {
@@ -233,6 +233,22 @@ fn the_table_of_the_contact_boundary_holds_its_measure_normals_and_gaps() {
     for (i, value) in [(2, 0.0), (3, -1.0), (5, 0.08), (6, 0.0), (7, 1.0), (8, 0.0)] {
         assert!(column(i).all(|found| found == value), "column {i} is not {value}");
     }
+    assert!(!folder.at("case/gap.npy").exists());
+}
+
+/// 0.07 + 0.02 sin 4t at t = 0, 1/2, 1 and the five vertices; in the table that of t = 0.
+#[test]
+fn a_gap_that_moves_is_a_table_of_levels() {
+    let (folder, setup) = (Folder::new("external-moving"), setup("moving-obstacle-time"));
+    write_case(&folder.at("case"), &setup, &on_mesh(&setup, 4), 2).expect("a case");
+    let Array { shape, numbers } =
+        decode(&std::fs::read(folder.at("case/gap.npy")).expect("gap.npy")).expect("an array");
+    assert_eq!(shape, [3, 5]);
+    for (n, gaps) in numbers.chunks(5).enumerate() {
+        let expected = 0.07 + 0.02 * (2.0 * n as f64).sin();
+        assert!(gaps.iter().all(|gap| (gap - expected).abs() < 1e-15), "{n}: {gaps:?}");
+    }
+    assert!(rows(&folder.at("case/contact.csv")).iter().all(|row| &row[5] == "0.07"));
 }
 
 #[test]

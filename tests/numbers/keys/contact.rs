@@ -50,10 +50,10 @@ fn law(text: &str, points: &[(f64, f64)]) {
 /// u_ν ≤ g and ξ ∈ p(u_ν - s), both at x = 0.25.
 fn gap_and_shift() {
     let setup = with_contact(
-        "gap = \"0.1 + x\"\nshift = \"0.02*x\"\nlaw = { kind = \"linear\", stiffness = 0.3 }",
+        "gap = \"0.1 + x + t\"\nshift = \"0.02*x\"\nlaw = { kind = \"linear\", stiffness = 0.3 }",
     );
     let boundary = setup.model.boundary.as_ref().expect("a boundary");
-    near((boundary.gap)([0.25, 0.0, 0.0]), 0.35);
+    near((boundary.gap)([0.25, 0.0, 0.0], 0.5), 0.85);
     near((boundary.shift)([0.25, 0.0, 0.0]), 0.005);
     let contact = setup.body.contact.as_ref().expect("a contact");
     let at = EvaluationPoint { x: 0.25, ..ORIGIN };

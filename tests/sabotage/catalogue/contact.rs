@@ -2,7 +2,9 @@
 
 use std::sync::Arc;
 
-use fem::contact::{BoundaryRule, CaseError, CaseInfo, Discretization, Model, Observer, march};
+use fem::contact::{
+    BoundaryRule, CaseError, CaseInfo, Discretization, Model, Observer, OnContactInTime, march,
+};
 use scene::setup::{MeshData, Setup, TruthLoad};
 use vhi::Newton;
 use vhi::law::{NoPotential, PiecewiseLinear};
@@ -32,10 +34,18 @@ fn law(mut setup: Setup, change: fn(&mut Written)) -> Setup {
     setup
 }
 
-pub(super) fn gap(mut setup: Setup, change: fn([f64; 3], f64) -> f64) -> Setup {
+pub(super) fn gap(setup: Setup, change: fn([f64; 3], f64) -> f64) -> Setup {
+    gap_in_time(setup, move |sound, x, t| change(x, sound(x, t)))
+}
+
+/// The setup with another g(x, t), made of the scene's, x and t.
+pub(super) fn gap_in_time(
+    mut setup: Setup,
+    change: impl Fn(&OnContactInTime, [f64; 3], f64) -> f64 + Send + Sync + 'static,
+) -> Setup {
     if let Some(boundary) = &mut setup.model.boundary {
-        let sound = std::mem::replace(&mut boundary.gap, Box::new(|_| f64::INFINITY));
-        boundary.gap = Box::new(move |x| change(x, sound(x)));
+        let sound = std::mem::replace(&mut boundary.gap, Box::new(|_, _| f64::INFINITY));
+        boundary.gap = Box::new(move |x, t| change(&sound, x, t));
     }
     setup
 }
@@ -86,10 +96,10 @@ macro_rules! on_mesh {
 fn every_other(space: &mut Discretization, model: &mut Model) {
     let Some(boundary) = &mut model.boundary else { return };
     let n = f64::from(space.mesh.n);
-    let sound = std::mem::replace(&mut boundary.gap, Box::new(|_| f64::INFINITY));
-    boundary.gap = Box::new(move |x| {
+    let sound = std::mem::replace(&mut boundary.gap, Box::new(|_, _| f64::INFINITY));
+    boundary.gap = Box::new(move |x, t| {
         let odd = (x[0] * n).round() as i64 % 2 != 0;
-        if odd { f64::INFINITY } else { sound(x) }
+        if odd { f64::INFINITY } else { sound(x, t) }
     });
 }
 
@@ -102,9 +112,12 @@ fn ends(space: &Discretization) -> Vec<usize> {
 
 /// A stiffness beyond g in place of the constraint.
 pub(super) fn penalty(mut setup: Setup, stiffness: f64) -> Setup {
-    let constant =
-        setup.model.boundary.as_ref().map(|b| ((b.gap)([0.0; 3]), (b.gap)([0.5, 0.0, 0.0])));
-    let Some((g, _)) = constant.filter(|(g, inside)| g.is_finite() && g == inside) else {
+    let constant = setup
+        .model
+        .boundary
+        .as_ref()
+        .map(|b| [[0.0; 2], [0.5, 0.0], [0.0, 0.5]].map(|[x, t]| (b.gap)([x, 0.0, 0.0], t)));
+    let Some([g, ..]) = constant.filter(|[g, x, t]| g.is_finite() && g == x && g == t) else {
         return setup;
     };
     let written = setup.body.contact.as_ref().and_then(|contact| contact.law.as_ref());
@@ -115,7 +128,7 @@ pub(super) fn penalty(mut setup: Setup, stiffness: f64) -> Setup {
     points.push((g, boundary.potential.subdifferential(g).0));
     let before = written.map_or(0.0, |law| law.slope_before);
     boundary.potential = Arc::new(PiecewiseLinear::new(points, before, stiffness).expect("a law"));
-    boundary.gap = Box::new(|_| f64::INFINITY);
+    boundary.gap = Box::new(|_, _| f64::INFINITY);
     setup
 }
 
@@ -183,12 +196,8 @@ pub fn defects() -> Vec<Defect> {
             gap(setup, |x, g| if x[0] > 0.5 { f64::INFINITY } else { g })
         }),
         constraint("gap 1 % too wide", |setup| gap(setup, |_, g| 1.01 * g)),
-        constraint("gap taken at x = 0 everywhere", |mut setup| {
-            if let Some(boundary) = &mut setup.model.boundary {
-                let sound = std::mem::replace(&mut boundary.gap, Box::new(|_| f64::INFINITY));
-                boundary.gap = Box::new(move |_| sound([0.0; 3]));
-            }
-            setup
+        constraint("gap taken at x = 0 everywhere", |setup| {
+            gap_in_time(setup, |sound, _, t| sound([0.0; 3], t))
         }),
         constraint("penalty 1e3 in place of the constraint", |setup| penalty(setup, 1e3)),
     ]

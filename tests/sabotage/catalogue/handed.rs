@@ -12,7 +12,7 @@ use scene::setup::{MeshData, Setup, side_numbers};
 use vhi::Newton;
 use vhi::law::NoPotential;
 
-use super::contact::{gap, penalty, rebuilt};
+use super::contact::{gap, gap_in_time, penalty, rebuilt};
 use super::paths::{half_freed, on_sides};
 use super::{Defect, Term, marched};
 
@@ -112,9 +112,21 @@ macro_rules! loads {
 fn no_contact(mut setup: Setup) -> Setup {
     if let Some(boundary) = &mut setup.model.boundary {
         boundary.potential = Arc::new(NoPotential);
-        boundary.gap = Box::new(|_| f64::INFINITY);
+        boundary.gap = Box::new(|_, _| f64::INFINITY);
     }
     setup
+}
+
+/// On a uniform grid.
+fn gap_of_the_level_before(setup: Setup) -> Setup {
+    marched(setup, |setup, data, steps, observe| {
+        let k = setup.scene.time.horizon / f64::from(steps);
+        rebuilt(setup, data, steps, observe, |_, model| {
+            let Some(boundary) = &mut model.boundary else { return };
+            let sound = std::mem::replace(&mut boundary.gap, Box::new(|_, _| f64::INFINITY));
+            boundary.gap = Box::new(move |x, t| sound(x, (t - k).max(0.0)));
+        })
+    })
 }
 
 /// Bound and law on -u_ν.
@@ -173,6 +185,10 @@ pub fn handed() -> Vec<Defect> {
         constraint("normal of Γ3 turned inward", turned),
         constraint("gap 5 % too wide", |setup| gap(setup, |_, g| 1.05 * g)),
         constraint("gap 5 % too narrow", |setup| gap(setup, |_, g| 0.95 * g)),
+        constraint("gap of t = 0 at all times", |setup| {
+            gap_in_time(setup, |sound, x, _| sound(x, 0.0))
+        }),
+        constraint("gap of the level before", gap_of_the_level_before),
         constraint("penalty 30 in place of the constraint", |setup| penalty(setup, 30.0)),
         constraint("penalty 100 in place of the constraint", |setup| penalty(setup, 100.0)),
         constraint("penalty 1e4 in place of the constraint", |setup| penalty(setup, 1e4)),

@@ -6,7 +6,8 @@ use super::{Boundary, BoundaryRule, Discretization, Model, friction_graph};
 use vhi::law::{NoPotential, Potential};
 use vhi::{BoundaryGraph, Coordinate};
 
-/// The graphs of Γ3: gap and shift at the vertices, the potential where the vertex rule is used; after them those of friction.
+/// The graphs of Γ3: the shift at the vertices, the potential where the vertex rule is used; after them those of friction. Gaps
+/// are those of [`set_gaps`].
 pub(crate) fn boundary_graph(
     space: &Discretization,
     model: &Model,
@@ -19,6 +20,15 @@ pub(crate) fn boundary_graph(
     };
     friction_graph::append_graphs(space, model, elastic, &mut graph);
     graph
+}
+
+/// The gaps of the time t. The graphs of the normal law come first, in the order of the points.
+pub(super) fn set_gaps(space: &Discretization, model: &Model, t: f64, graph: &mut BoundaryGraph) {
+    let Some(boundary) = &model.boundary else { return };
+    let points = space.trace.points.iter().filter(|point| point.carries());
+    for (point, at) in points.zip(&mut graph.coordinates) {
+        at.gap = (boundary.gap)(space.mesh.point(&[point.vertex], &[1.0]), t);
+    }
 }
 
 fn normal_graph(
@@ -49,7 +59,7 @@ fn normal_graph(
                 dof: point.unknown,
                 sign: point.sign,
                 weight: point.weight,
-                gap: (boundary.gap)(x),
+                gap: f64::INFINITY,
                 floor: f64::NEG_INFINITY,
                 law: potentials.len() as u32 - 1,
                 shift: (boundary.shift)(x),

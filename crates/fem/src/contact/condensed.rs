@@ -14,7 +14,7 @@
 use std::sync::Arc;
 use std::time::Instant;
 
-use super::boundary::boundary_graph;
+use super::boundary::{boundary_graph, set_gaps};
 use super::compliance::FacetCompliance;
 use super::last_slot::TangentOf;
 use super::{Discretization, Model, Plan, Unknowns, Work};
@@ -98,6 +98,13 @@ impl<'a> Condensed<'a> {
         side.set_triangle(
             self.analysis.last_triangle(&self.factor, self.x.len() - side.dofs.len()),
         );
+    }
+
+    /// Sets the gaps to those of the time t.
+    pub(super) fn set_gaps(&mut self, model: &Model, t: f64) {
+        if let Some(side) = &mut self.side {
+            set_gaps(self.space, model, t, &mut side.graph);
+        }
     }
 
     /// Takes the K of a level, with the lower triangle `matrix` and weights `slot` of the last slot.

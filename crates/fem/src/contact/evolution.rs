@@ -157,7 +157,7 @@ impl HistoryInequality for Evolution<'_> {
         self.slot.memory.extend(self.model.last_weights(self.grid, n));
         self.past_zeta = self.accumulated.past(rule, self.grid);
         self.histories.recall();
-        self.problem.set_friction(self.grid.time(n));
+        self.problem.set_time(self.grid.time(n));
         self.begin_implicit();
         Ok(())
     }

@@ -97,7 +97,7 @@ fn evaluate<const D: usize, const S: usize>(
             let x = space.mesh.point(&[point.vertex], &[1.0]);
             let stiffness = model.elasticity.eigenvalues(D).1;
             let (normal, lambda) = (space.trace.normal(i, view.u), view.multiplier[i]);
-            let gap = (boundary.gap)(x);
+            let gap = (boundary.gap)(x, view.t);
             contact = contact.max(-lambda * point.weight);
             if gap.is_finite() {
                 // A violated or missed bound, as the force that the stiffness answers it with.

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use super::friction_law::Friction;
+use super::friction_law::{Friction, OnContactInTime};
 use crate::space::Element;
 use vhi::history::{TimeGrid, TimeRule};
 use vhi::law::{
@@ -63,8 +63,8 @@ pub struct Boundary {
     pub potential: Arc<dyn Potential>,
     /// c > 0 at a point of Γ3: the law there is c ∂j_ν; none is one.
     pub scale: Option<OnContact>,
-    /// g at a point of Γ3, infinite where there is no constraint.
-    pub gap: OnContact,
+    /// g at a point of Γ3 and a time, infinite where there is no constraint.
+    pub gap: OnContactInTime,
     /// s at a point of Γ3: the potential is evaluated at u_ν - s.
     pub shift: OnContact,
     /// Quadrature of the compliance term.

@@ -9,7 +9,7 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use super::assembly::{ROOM, point_stiffness, stress_force};
-use super::boundary::boundary_graph;
+use super::boundary::{boundary_graph, set_gaps};
 use super::compliance::FacetCompliance;
 use super::condensed::Condensed;
 use super::friction_graph::Following;
@@ -126,6 +126,15 @@ impl<'a> ContactProblem<'a> {
             compliance,
             couplings,
         })
+    }
+
+    /// Sets what Γ3 has at time t: gaps and the factors of friction.
+    pub fn set_time(&mut self, t: f64) {
+        set_gaps(self.space, self.model, t, &mut self.graph);
+        if let Some(condensed) = &mut self.condensed {
+            condensed.set_gaps(self.model, t);
+        }
+        self.set_friction(t);
     }
 
     /// Opens a time level: weights of the last slot, the sum ζ_past, the load F_n (Cartesian), and the

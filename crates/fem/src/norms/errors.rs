@@ -123,7 +123,7 @@ fn contact_set(space: &Discretization, model: &Model, view: &StepView<'_>, truth
         return 0.0;
     }
     let is_locked = |(i, point): (usize, &TracePoint)| {
-        let gap = (boundary.gap)(space.mesh.point(&[point.vertex], &[1.0]));
+        let gap = (boundary.gap)(space.mesh.point(&[point.vertex], &[1.0]), view.t);
         is_locked(space.trace.normal(i, view.u), gap)
     };
     let locked: Vec<bool> = space.trace.points.iter().enumerate().map(is_locked).collect();

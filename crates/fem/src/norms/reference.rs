@@ -55,7 +55,7 @@ impl ReferenceRun {
         let gap = |i: usize| {
             let boundary = model.boundary.as_ref()?;
             let x = space.mesh.point(&[space.trace.points[i].vertex], &[1.0]);
-            Some((boundary.gap)(x))
+            Some((boundary.gap)(x, view.t))
         };
         let points = 0..space.trace.points.len();
         let normal: Vec<f64> = points.clone().map(|i| space.trace.normal(i, view.u)).collect();

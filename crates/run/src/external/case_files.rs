@@ -6,7 +6,7 @@ use std::sync::Arc;
 use serde_json::{Value, json};
 
 use super::npy::{Array, encode};
-use fem::contact::{CaseError, Discretization, LoadError, Support};
+use fem::contact::{CaseError, Discretization, LoadError, OnContactInTime, Support};
 use fem::space::quadrature::Rule;
 use files::replace_file;
 use scene::setup::{MeshData, Setup};
@@ -28,7 +28,7 @@ pub struct ContactRow {
     pub vertex: u32,
     /// Unit normal.
     pub normal: [f64; 3],
-    /// The integral of its hat function, gap (∞: none), shift and factor of the law.
+    /// The integral of its hat function, gap at t = 0 (∞: none), shift and factor of the law.
     pub numbers: [f64; 4],
     /// The displacement is zero there.
     pub clamped: bool,
@@ -48,6 +48,8 @@ pub struct Given {
     /// Loads of the strong form before they are assembled, by the names in [`DENSITIES`]; none of other loads.
     pub densities: Option<[Array; 4]>,
     pub contact: Vec<ContactRow>,
+    /// The gap at the rows of Γ3, (N + 1) × rows; none where it does not depend on t.
+    pub gaps: Option<Array>,
     /// The factor of the bound of friction at the rows of Γ3, (N + 1) × rows; none without friction.
     pub friction: Option<Array>,
 }
@@ -65,6 +67,7 @@ impl Given {
             loads: loads(data, &grid)?,
             densities: densities(data, &grid)?,
             contact: contact(setup, &data.space),
+            gaps: gaps(setup, &data.space, &grid),
             friction: friction(setup, &data.space, &grid),
             times: grid.times().to_vec(),
         })
@@ -110,6 +113,7 @@ pub fn write_case(dir: &Path, setup: &Setup, data: &MeshData, steps: u32) -> Res
     file("times.npy", &encode(&[given.times.len()], &given.times))?;
     let array = |name: &str, array: &Array| file(name, &encode(&array.shape, &array.numbers));
     given.kernels.iter().try_for_each(|kernels| array("kernels.npy", kernels))?;
+    given.gaps.iter().try_for_each(|gaps| array("gap.npy", gaps))?;
     given.friction.iter().try_for_each(|friction| array("friction.npy", friction))?;
     let densities = DENSITIES.iter().zip(given.densities.iter().flatten());
     for (name, values) in densities {
@@ -239,7 +243,7 @@ fn contact(setup: &Setup, space: &Discretization) -> Vec<ContactRow> {
     let row = |point: &fem::contact::TracePoint| {
         let x = space.mesh.point(&[point.vertex], &[1.0]);
         let [gap, shift, scale] = match &setup.model.boundary {
-            Some(boundary) => [(boundary.gap)(x), (boundary.shift)(x), boundary.scale_at(x)],
+            Some(boundary) => [(boundary.gap)(x, 0.0), (boundary.shift)(x), boundary.scale_at(x)],
             None => [f64::INFINITY, 0.0, 1.0],
         };
         ContactRow {
@@ -254,13 +258,24 @@ fn contact(setup: &Setup, space: &Discretization) -> Vec<ContactRow> {
 
 /// c(x, t) of S = c S_0(|u_τ|), or of S = c p(u_ν).
 fn friction(setup: &Setup, space: &Discretization, grid: &TimeGrid) -> Option<Array> {
-    let friction = setup.model.friction.as_ref()?;
+    Some(by_level(&setup.model.friction.as_ref()?.factor, space, grid))
+}
+
+/// g(x, t).
+fn gaps(setup: &Setup, space: &Discretization, grid: &TimeGrid) -> Option<Array> {
+    let moves = setup.body.gap_moves(&setup.scene.formulas);
+    let boundary = setup.model.boundary.as_ref().filter(|_| moves)?;
+    Some(by_level(&boundary.gap, space, grid))
+}
+
+/// A function at the rows of Γ3 and all levels.
+fn by_level(of: &OnContactInTime, space: &Discretization, grid: &TimeGrid) -> Array {
     let points = &space.trace.points;
     let places: Vec<[f64; 3]> =
         points.iter().map(|point| space.mesh.point(&[point.vertex], &[1.0])).collect();
-    let at = |&t: &f64| places.iter().map(move |&x| (friction.factor)(x, t));
+    let at = |&t: &f64| places.iter().map(move |&x| of(x, t));
     let numbers = grid.times().iter().flat_map(at).collect();
-    Some(Array { shape: vec![grid.steps() + 1, points.len()], numbers })
+    Array { shape: vec![grid.steps() + 1, points.len()], numbers }
 }
 
 fn contact_table(rows: &[ContactRow], d: usize) -> Result<Vec<u8>, csv::Error> {

@@ -19,7 +19,9 @@ struct Touch {
     weight: f64,
     stiffness: f64,
     law: Scaled,
+    /// g here, and at t = 0 and the level before.
     gap: f64,
+    gaps: [f64; 2],
     shift: f64,
     /// u_ν, and the pressure that balances the stress.
     u: f64,
@@ -99,6 +101,9 @@ fn touches(left: &Left<'_>) -> Vec<Touch> {
                 };
                 model.friction.as_ref().map_or(0.0, bound)
             };
+            let gap = |n: usize| {
+                boundary.map_or(f64::INFINITY, |boundary| (boundary.gap)(x, left.grid.time(n)))
+            };
             let p = point.normal[..d].iter().zip(&force).map(|(n, f)| n * f).sum();
             let handed = left.pressures[n][i] - if lawful.is_some() { 0.0 } else { followed };
             touches.push(Touch {
@@ -109,7 +114,8 @@ fn touches(left: &Left<'_>) -> Vec<Touch> {
                 weight: point.weight,
                 stiffness,
                 law,
-                gap: boundary.map_or(f64::INFINITY, |boundary| (boundary.gap)(x)),
+                gap: gap(n),
+                gaps: [gap(0), gap(n.saturating_sub(1))],
                 shift,
                 u,
                 p,
@@ -213,6 +219,10 @@ fn normal(touches: &[Touch], sound: f64) -> (String, bool) {
         all(&|touch| touch.off(&none, touch.gap, at(touch))),
         "contact: the law is missing".into(),
     );
+    for (k, when) in ["of t = 0 at all times", "of the level before"].into_iter().enumerate() {
+        let off = |touch: &Touch| touch.off(&touch.law, touch.gaps[k], at(touch));
+        offer(all(&off), format!("contact: the gap {when}"));
+    }
     // The point that presses most says by which gap, or by which penalty.
     let excess = |touch: &Touch| {
         if touch.gap.is_finite() { touch.weight * (touch.p - lo(touch, touch.u)) } else { 0.0 }

@@ -50,11 +50,15 @@ pub(super) fn on_contact(graph: &Arc<Graph>, node: Option<Node>, absent: f64) ->
     Box::new(move |place| node.map_or(absent, |node| graph.evaluate(node, &place.into())))
 }
 
-/// A factor on Γ3 × [0, T] by a formula in x and t; 1 without one.
-pub(super) fn on_contact_in_time(graph: &Arc<Graph>, node: Option<Node>) -> OnContactInTime {
+/// A function on Γ3 × [0, T] by a formula in x and t, or the constant `absent`.
+pub(super) fn on_contact_in_time(
+    graph: &Arc<Graph>,
+    node: Option<Node>,
+    absent: f64,
+) -> OnContactInTime {
     let graph = graph.clone();
     Box::new(move |place, t| {
         let at = EvaluationPoint { t, ..place.into() };
-        node.map_or(1.0, |node| graph.evaluate(node, &at))
+        node.map_or(absent, |node| graph.evaluate(node, &at))
     })
 }

@@ -27,7 +27,7 @@ pub(super) fn friction(written: &crate::Friction, formulas: &Arc<Graph>) -> Fric
     let follows_pressure = coefficient > 0.0;
     let factor = match follows_pressure {
         true => Box::new(move |_, _| coefficient),
-        false => on_contact_in_time(formulas, given),
+        false => on_contact_in_time(formulas, given, 1.0),
     };
     Friction { factor, graph, follows_pressure }
 }

@@ -32,7 +32,7 @@ pub use constants::{
 pub use contraction::{abstract_decomposition_bound, decomposition_bound};
 pub(crate) use formulas::KernelFormula;
 pub use formulas::YieldFormula;
-use formulas::on_contact;
+use formulas::{on_contact, on_contact_in_time};
 pub(crate) use given_load::{GivenLoad, ReferenceTruth};
 use laws::potential;
 pub use material::{cell_regions, elasticity, memory_tensor};
@@ -232,7 +232,7 @@ fn model(scene: &Scene, body: &ContactScene) -> Model {
     let boundary = contact.map(|contact| Boundary {
         potential: potential(contact.law.as_ref()),
         scale: scale.map(|scale| on_contact(&formulas, Some(scale.formula), 1.0)),
-        gap: on_contact(&formulas, contact.gap, f64::INFINITY),
+        gap: on_contact_in_time(&formulas, contact.gap, f64::INFINITY),
         shift: on_contact(&formulas, contact.shift, 0.0),
         rule: contact.quadrature,
     });

@@ -1,6 +1,6 @@
 //! L_κ: a proved bound of |κ'| for all ζ ≥ 0, or else for the ζ that a run can reach.
 //!
-//! *A priori bound of ζ.* If 0 ∈ U, test (5.14) with v = 0. The projection stress is monotone and vanishes at 0, and by (2.8c)
+//! *A priori bound of ζ.* If 0 ∈ U at all times, test (5.14) with v = 0. The projection stress is monotone and vanishes at 0, and by (2.8c)
 //! -j⁰(u_ν; -u_ν) ≥ -α_ν u_ν² - |ξ_0||u_ν| with ξ_0 ∈ ∂j_ν(0); the same holds of friction. With e(t) = ‖ε(u(t))‖,
 //!
 //! m0 e(t) ≤ M(t) + ∫_0^t ‖ℬ(t - s)‖ e(s) ds,   M = ‖F‖_* + c_j ‖ξ_0‖_{L²(Γ3)}.
@@ -141,13 +141,14 @@ fn a_priori(setup: &Setup) -> Result<f64, SetupError> {
     Ok(f64::INFINITY)
 }
 
-/// ‖ξ_0‖ on Γ3 with the least ξ_0 ∈ ∂j_ν(-s) at the vertices; None if 0 ∉ U there.
+/// ‖ξ_0‖ on Γ3 with the least ξ_0 ∈ ∂j_ν(-s) at the vertices; None if 0 ∉ U at some time.
 fn pressure_at_rest(setup: &Setup, data: &MeshData) -> Option<f64> {
     let Some(boundary) = &setup.model.boundary else { return Some(0.0) };
-    let mut largest = 0.0f64;
+    let (mut largest, horizon) = (0.0f64, setup.scene.time.horizon);
     for point in &data.space.trace.points {
         let x = data.space.mesh.point(&[point.vertex], &[1.0]);
-        if (boundary.gap)(x) < 0.0 {
+        let opens = |n| (boundary.gap)(x, horizon * f64::from(n) / f64::from(TIMES)) >= 0.0;
+        if !(0..=TIMES).all(opens) {
             return None;
         }
         let (low, high) = boundary.potential_at(x).subdifferential(-(boundary.shift)(x));

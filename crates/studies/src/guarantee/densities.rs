@@ -275,7 +275,7 @@ pub(super) fn pressures(
             }
             let x = space.mesh.point(&[trace.points[end].vertex], &[1.0]);
             let (lo, hi) = boundary.potential_at(x).subdifferential(-(boundary.shift)(x));
-            let hi = if (boundary.gap)(x) > 0.0 { hi } else { f64::INFINITY };
+            let hi = if (boundary.gap)(x, view.t) > 0.0 { hi } else { f64::INFINITY };
             pressure[end] = pressure[other].max(lo).min(hi);
         }
     }
@@ -318,11 +318,11 @@ pub(super) fn add_pressures(
     }
 }
 
-/// G of `u`, and of pressures p at the ends of the edges; infinite where u_ν > g or the law never has the pressure p.
+/// G of the level, and of pressures p at the ends of the edges; infinite where u_ν > g or the law never has the pressure p.
 pub(super) fn duality_gap(
     space: &Discretization,
     boundary: &Boundary,
-    u: &[f64],
+    view: &StepView<'_>,
     pressure: &[[f64; 2]],
 ) -> f64 {
     let rule = edge(4);
@@ -332,7 +332,7 @@ pub(super) fn duality_gap(
         let ends = [trace.facet(f)[0] as usize, trace.facet(f)[1] as usize];
         let vertices = ends.map(|i| trace.points[i].vertex);
         let normal: Vec<f64> =
-            trace.facet(f).iter().map(|&i| trace.normal(i as usize, u)).collect();
+            trace.facet(f).iter().map(|&i| trace.normal(i as usize, view.u)).collect();
         for piece in 0..PIECES {
             for (weight, b) in rule.weights.iter().zip(&rule.points) {
                 let second = (piece as f64 + b[1]) / PIECES as f64;
@@ -344,7 +344,7 @@ pub(super) fn duality_gap(
                 let (law, shift) = (boundary.potential_at(x), (boundary.shift)(x));
                 let normal = mix(&space.element.values(&at), &normal);
                 let (r, p) = (normal - shift, mix(&at, &pressure[f]));
-                let excess = at_point(&law, (boundary.gap)(x) - shift, r, p);
+                let excess = at_point(&law, (boundary.gap)(x, view.t) - shift, r, p);
                 sum += weight * trace.measure[f] / PIECES as f64 * excess;
             }
         }

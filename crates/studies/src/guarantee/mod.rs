@@ -228,7 +228,7 @@ impl<'a> Bounding<'a> {
         if let Some(boundary) = &model.boundary {
             let pressure = densities::pressures(space, boundary, view);
             let pressure = densities::along_edges(space, &pressure);
-            gap = densities::duality_gap(space, boundary, view.u, &pressure);
+            gap = densities::duality_gap(space, boundary, view, &pressure);
             densities::add_pressures(space, edges, &pressure, &mut loads.given.tractions);
         }
         let stresses = self.equilibrium.nearest(&start, &loads.given);

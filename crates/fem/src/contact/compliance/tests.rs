@@ -30,7 +30,7 @@ const SHIFTS: [(&str, Shift); 3] = [
 ];
 
 fn boundary(potential: Arc<dyn Potential>, shift: Shift, rule: BoundaryRule) -> Boundary {
-    let (gap, shift) = (Box::new(|_: [f64; 3]| f64::INFINITY), Box::new(shift));
+    let (gap, shift) = (Box::new(|_: [f64; 3], _: f64| f64::INFINITY), Box::new(shift));
     Boundary { potential, scale: None, gap, shift, rule }
 }
 

@@ -30,7 +30,7 @@ fn model(potential: Arc<dyn Potential>, rule: BoundaryRule) -> Model {
     let boundary = Boundary {
         potential,
         scale: None,
-        gap: Box::new(|_| f64::INFINITY),
+        gap: Box::new(|_, _| f64::INFINITY),
         shift: Box::new(|_| -DEPTH),
         rule,
     };
