@@ -12,7 +12,7 @@ use serde::de::IgnoredAny;
 use formula::{EvaluationPoint, Node, Variable};
 
 use super::definitions::definitions;
-use super::diagnostic::SceneError;
+use super::diagnostic::Result;
 use super::law::Law;
 use super::reading::{Reading, evenly};
 use super::singular;
@@ -74,11 +74,7 @@ const NEEDED: [(&str, &str); 5] = [
 ];
 
 impl AbstractScene {
-    pub(super) fn validate(
-        reading: &mut Reading,
-        horizon: f64,
-        m: usize,
-    ) -> Result<Self, SceneError> {
+    pub(super) fn validate(reading: &mut Reading, horizon: f64, m: usize) -> Result<Self> {
         for (part, key) in NEEDED.iter().filter(|(part, _)| reading.has(part)) {
             reading.required::<IgnoredAny>(&join(part, key))?;
         }
@@ -124,16 +120,12 @@ impl AbstractScene {
     }
 }
 
-fn square_or_identity(reading: &Reading, key: &str, m: usize) -> Result<Rows, SceneError> {
+fn square_or_identity(reading: &Reading, key: &str, m: usize) -> Result<Rows> {
     let row = |i| (0..m).map(|j| f64::from(u8::from(i == j))).collect();
     if reading.has(key) { square(reading, key, m) } else { Ok((0..m).map(row).collect()) }
 }
 
-fn kernels(
-    reading: &mut Reading,
-    horizon: f64,
-    m: usize,
-) -> Result<Vec<AbstractKernel>, SceneError> {
+fn kernels(reading: &mut Reading, horizon: f64, m: usize) -> Result<Vec<AbstractKernel>> {
     let mut scope = reading.scope(&[Variable::T]);
     scope.define("s", reading.formulas.variable(Variable::X));
     let mut kernels = Vec::new();
@@ -154,7 +146,7 @@ fn kernels(
 }
 
 impl AbstractTrace {
-    fn validate(reading: &mut Reading, index: usize, m: usize) -> Result<Self, SceneError> {
+    fn validate(reading: &mut Reading, index: usize, m: usize) -> Result<Self> {
         let table = format!("trace.{index}");
         let key = |name: &str| join(&table, name);
         let functional = vector(reading, &key("functional"), m)?;
@@ -187,10 +179,10 @@ impl AbstractTrace {
 /// Times t > 0 at which q(t, t) must be finite.
 const ENDS: u32 = 16;
 
-fn vector(reading: &Reading, key: &str, m: usize) -> Result<Vec<f64>, SceneError> {
+fn vector(reading: &Reading, key: &str, m: usize) -> Result<Vec<f64>> {
     reading.numbers(key, m, "one number a component, dimension of them")
 }
 
-fn square(reading: &Reading, key: &str, m: usize) -> Result<Rows, SceneError> {
+fn square(reading: &Reading, key: &str, m: usize) -> Result<Rows> {
     reading.matrix(key, m, "a matrix of the scene has dimension rows of so many numbers")
 }

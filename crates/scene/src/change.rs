@@ -3,9 +3,9 @@
 use std::fmt;
 use std::sync::Arc;
 
-use crate::{Scene, SceneError};
+use crate::{Result, Scene};
 
-type Apply = dyn Fn(Scene) -> Result<Scene, SceneError> + Send + Sync;
+type Apply = dyn Fn(Scene) -> Result<Scene> + Send + Sync;
 
 /// What is different in a scene, in words, and how to make it so. Changes with equal words are equal.
 #[derive(Clone)]
@@ -18,7 +18,7 @@ impl Change {
     /// A change that `apply` makes, in a few words: they name it in tables, files and messages.
     pub fn new(
         words: impl Into<String>,
-        apply: impl Fn(Scene) -> Result<Scene, SceneError> + Send + Sync + 'static,
+        apply: impl Fn(Scene) -> Result<Scene> + Send + Sync + 'static,
     ) -> Self {
         Self { words: words.into(), apply: Arc::new(apply) }
     }
@@ -36,7 +36,7 @@ impl Change {
     ///
     /// # Errors
     /// What the scene cannot have, at the key that would say it.
-    pub fn of(&self, scene: &Scene) -> Result<Scene, SceneError> {
+    pub fn of(&self, scene: &Scene) -> Result<Scene> {
         (self.apply)(scene.clone())
     }
 }

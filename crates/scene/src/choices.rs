@@ -1,6 +1,6 @@
 //! Enumerated words, with suggestions for unknown ones.
 
-use super::diagnostic::SceneError;
+use super::diagnostic::Result;
 use super::nearest::nearest;
 use super::reading::{Reading, last};
 
@@ -9,7 +9,7 @@ impl Reading<'_> {
     ///
     /// # Errors
     /// No word, or an unknown one; the message lists the known ones, nearest first.
-    pub(super) fn choice<T: Copy>(&self, key: &str, known: &[(&str, T)]) -> Result<T, SceneError> {
+    pub(super) fn choice<T: Copy>(&self, key: &str, known: &[(&str, T)]) -> Result<T> {
         self.named(key, &self.required::<String>(key)?, known)
     }
 
@@ -22,7 +22,7 @@ impl Reading<'_> {
         key: &str,
         known: &[(&str, T)],
         without: T,
-    ) -> Result<T, SceneError> {
+    ) -> Result<T> {
         if self.has(key) { self.choice(key, known) } else { Ok(without) }
     }
 
@@ -30,12 +30,7 @@ impl Reading<'_> {
     ///
     /// # Errors
     /// An unknown word.
-    pub(super) fn named<T: Copy>(
-        &self,
-        key: &str,
-        word: &str,
-        known: &[(&str, T)],
-    ) -> Result<T, SceneError> {
+    pub(super) fn named<T: Copy>(&self, key: &str, word: &str, known: &[(&str, T)]) -> Result<T> {
         if let Some((_, value)) = known.iter().find(|(name, _)| *name == word) {
             return Ok(*value);
         }

@@ -1,6 +1,6 @@
 //! Curved laws: rational, exponential, and a power continued by its tangent. All that a scene says of one is here.
 
-use super::diagnostic::SceneError;
+use super::diagnostic::Result;
 use super::reading::Reading;
 use super::spans::join;
 use exact::CurveNumbers;
@@ -11,7 +11,7 @@ use vhi::law::Curve;
 const EXACT_EXPONENT: f64 = 14.0;
 
 /// A curve: of kind `rational`, `exponential` or `power`.
-pub(super) fn read(reading: &Reading, table: &str, kind: &str) -> Result<Curve, SceneError> {
+pub(super) fn read(reading: &Reading, table: &str, kind: &str) -> Result<Curve> {
     let positive = |name: &str| reading.positive(&join(table, name));
     match kind {
         "power" => power(reading, table),
@@ -36,7 +36,7 @@ pub(super) fn numbers(curve: Curve) -> CurveNumbers {
     }
 }
 
-fn power(reading: &Reading, table: &str) -> Result<Curve, SceneError> {
+fn power(reading: &Reading, table: &str) -> Result<Curve> {
     let positive = |name: &str| reading.positive(&join(table, name));
     let coefficient = positive("coefficient")?;
     let fits = |exponent: f64| exponent >= 1.0 && exponent.is_finite();

@@ -11,6 +11,9 @@ use thiserror::Error;
 
 use super::source::Source;
 
+/// What a scene, or a part of one, is read as.
+pub type Result<T, E = SceneError> = std::result::Result<T, E>;
+
 /// Why a scene could not be read. Every message names the file and the way out.
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum SceneError {

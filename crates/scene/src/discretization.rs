@@ -2,7 +2,7 @@
 
 use fem::space::Element;
 
-use super::diagnostic::SceneError;
+use super::diagnostic::Result;
 use super::reading::Reading;
 use super::validated::{Body, ContactScene, Scene};
 use crate::ContactQuadrature;
@@ -13,7 +13,7 @@ pub(super) const KEY: &str = "discretization.element";
 ///
 /// # Errors
 /// An unknown element, or one incompatible with a part of the scene.
-pub(super) fn element(reading: &Reading, body: &ContactScene) -> Result<Element, SceneError> {
+pub(super) fn element(reading: &Reading, body: &ContactScene) -> Result<Element> {
     let known = Element::ALL.map(|known| (known.name(), known));
     let element = reading.choice_or(KEY, &known, Element::P1)?;
     match refusal(element, body) {
@@ -44,7 +44,7 @@ impl Scene {
     ///
     /// # Errors
     /// At `discretization.element`, as if the file named the element.
-    pub fn with_element(&self, element: Element) -> Result<Self, SceneError> {
+    pub fn with_element(&self, element: Element) -> Result<Self> {
         let mut scene = self.clone();
         if let Body::Contact(body) = &mut scene.body {
             if let Some([message, hint]) = refusal(element, body) {

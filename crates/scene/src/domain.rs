@@ -17,7 +17,7 @@ use std::sync::Arc;
 use fem::mesh::{CoarseMesh, Family, Mesh, REST, lattice};
 use formula::EvaluationPoint;
 
-use super::diagnostic::SceneError;
+use super::diagnostic::Result;
 use super::reading::Reading;
 
 pub(super) fn place(point: &EvaluationPoint, dimension: usize) -> String {
@@ -56,7 +56,7 @@ pub struct Domain {
 }
 
 impl Domain {
-    pub(super) fn validate(reading: &Reading, dimension: usize) -> Result<Domain, SceneError> {
+    pub(super) fn validate(reading: &Reading, dimension: usize) -> Result<Domain> {
         let (shape, size, sides) = shape::shape(reading, dimension)?;
         let (clamped, symmetry, traction, contact) = Default::default();
         let mesh = Family::Structured;
@@ -110,7 +110,7 @@ impl Domain {
 
     /// Refuses a body that can move without strain: Γ1 is empty, and u_ν = 0 on planes of symmetry leaves a translation or
     /// rotation.
-    fn fixed(&self, reading: &Reading) -> Result<(), SceneError> {
+    fn fixed(&self, reading: &Reading) -> Result<()> {
         if !self.clamped.is_empty() {
             return Ok(());
         }
@@ -239,7 +239,7 @@ impl Domain {
         top.or(self.sides.first()).map_or("top", String::as_str)
     }
 
-    fn listed(&self, reading: &Reading, key: &str) -> Result<Vec<Side>, SceneError> {
+    fn listed(&self, reading: &Reading, key: &str) -> Result<Vec<Side>> {
         let one = |index| {
             let key = format!("{key}.{index}");
             let name = reading.required::<String>(&key)?;
@@ -263,7 +263,7 @@ impl Domain {
     }
 
     /// `rest`: what becomes of the sides that no list names.
-    fn take_rest(&mut self, reading: &Reading) -> Result<(), SceneError> {
+    fn take_rest(&mut self, reading: &Reading) -> Result<()> {
         if reading.optional::<String>("domain.rest")?.is_none() {
             return Ok(());
         }
@@ -275,7 +275,7 @@ impl Domain {
         Ok(())
     }
 
-    fn each_side_once(&self, reading: &Reading) -> Result<(), SceneError> {
+    fn each_side_once(&self, reading: &Reading) -> Result<()> {
         let lists = [
             ("clamped", &self.clamped),
             ("symmetry", &self.symmetry),

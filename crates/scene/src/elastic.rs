@@ -2,7 +2,7 @@
 
 use vhi::law::{FourthOrder, Isotropic};
 
-use super::diagnostic::SceneError;
+use super::diagnostic::Result;
 use super::reading::Reading;
 use super::spans::join;
 use super::wording::heading;
@@ -13,11 +13,7 @@ pub(super) const TENSORS: [(&str, &str); 2] =
     [("full", "mandel"), ("orthotropic", "normal coupling shear")];
 
 /// Exactly one of the pairs (lambda, mu_L) and (E, nu), or the table `elasticity`, in `[material]` or a region.
-pub(super) fn elastic(
-    reading: &Reading,
-    key: &str,
-    dimension: usize,
-) -> Result<FourthOrder, SceneError> {
+pub(super) fn elastic(reading: &Reading, key: &str, dimension: usize) -> Result<FourthOrder> {
     let names = ["lambda", "mu_L", "E", "nu", "elasticity"].into_iter();
     let given: Vec<&str> = names.filter(|name| reading.has(&join(key, name))).collect();
     match given[..] {
@@ -35,7 +31,7 @@ pub(super) fn elastic(
 }
 
 /// m_𝒜 > 0: the eigenvalues 2 mu and 2 mu + d lambda of 𝒜 on S^d are positive.
-fn elliptic(reading: &Reading, key: &str, dimension: usize) -> Result<FourthOrder, SceneError> {
+fn elliptic(reading: &Reading, key: &str, dimension: usize) -> Result<FourthOrder> {
     let lambda = reading.finite(&join(key, "lambda"))?;
     // Half of the eigenvalue 2 mu_L of the elasticity tensor.
     let mu = reading.positive(&join(key, "mu_L"))?;
@@ -50,7 +46,7 @@ fn elliptic(reading: &Reading, key: &str, dimension: usize) -> Result<FourthOrde
 }
 
 /// Plane strain: λ = E ν/((1+ν)(1-2ν)), μ = E/(2(1+ν)).
-fn from_young(reading: &Reading, key: &str) -> Result<FourthOrder, SceneError> {
+fn from_young(reading: &Reading, key: &str) -> Result<FourthOrder> {
     let young = reading.positive(&join(key, "E"))?;
     let hint = "at 0.5 the material is incompressible: give less, such as 0.3";
     let fits = |poisson: f64| poisson > -1.0 && poisson < 0.5;
@@ -61,7 +57,7 @@ fn from_young(reading: &Reading, key: &str) -> Result<FourthOrder, SceneError> {
 
 /// `{ kind = "full", mandel = [[…], …] }`, or `{ kind = "orthotropic", normal = […], coupling = […], shear = […] }`
 /// with 𝒜_iiii, 𝒜_iijj and 𝒜_ijij along the axes, pairs in the order 12 in the plane and 23, 13, 12 in space.
-fn full(reading: &Reading, key: &str, dimension: usize) -> Result<FourthOrder, SceneError> {
+fn full(reading: &Reading, key: &str, dimension: usize) -> Result<FourthOrder> {
     let (matrix, place) = if reading.kind(key, &TENSORS)? == "full" {
         let place = join(key, "mandel");
         (mandel(reading, &place, dimension * (dimension + 1) / 2)?, place)
@@ -80,7 +76,7 @@ fn full(reading: &Reading, key: &str, dimension: usize) -> Result<FourthOrder, S
     reading.refuse_if(!positive, &place, message, hint).map(|()| tensor)
 }
 
-fn mandel(reading: &Reading, place: &str, order: usize) -> Result<[[f64; 6]; 6], SceneError> {
+fn mandel(reading: &Reading, place: &str, order: usize) -> Result<[[f64; 6]; 6]> {
     let hint = format!(
         "a full elasticity tensor is a {order} by {order} matrix here, in Mandel notation: xx, yy, sqrt(2) xy in the plane; xx, yy, zz, sqrt(2) yz, sqrt(2) xz, sqrt(2) xy in space"
     );
@@ -93,7 +89,7 @@ fn mandel(reading: &Reading, place: &str, order: usize) -> Result<[[f64; 6]; 6],
     Ok(matrix)
 }
 
-fn orthotropic(reading: &Reading, key: &str, d: usize) -> Result<[[f64; 6]; 6], SceneError> {
+fn orthotropic(reading: &Reading, key: &str, d: usize) -> Result<[[f64; 6]; 6]> {
     let pairs: &[(usize, usize)] = if d == 2 { &[(0, 1)] } else { &[(1, 2), (0, 2), (0, 1)] };
     let hint = "normal = [A_xxxx, A_yyyy], coupling = [A_xxyy], shear = [A_xyxy] in the plane; three each, pairs in the order yz, xz, xy, in space";
     let list = |name: &str, count: usize| reading.numbers(&join(key, name), count, hint);

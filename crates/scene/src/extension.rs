@@ -1,6 +1,6 @@
 //! What a scene may have beyond the setting of the paper, and commands that leave it out of account.
 
-use super::diagnostic::SceneError;
+use super::diagnostic::Result;
 use super::validated::{Body, Scene};
 
 /// Beyond the paper's kernels without a pole and contact without friction.
@@ -42,12 +42,7 @@ impl Scene {
     ///
     /// # Errors
     /// At the key that asks for the first of them.
-    pub fn without(
-        &self,
-        extensions: &[Extension],
-        command: &str,
-        why: &str,
-    ) -> Result<(), SceneError> {
+    pub fn without(&self, extensions: &[Extension], command: &str, why: &str) -> Result<()> {
         match extensions.iter().find_map(|extension| extension.asked_by(self)) {
             None => Ok(()),
             Some((key, what, way_out)) => {

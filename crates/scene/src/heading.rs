@@ -1,7 +1,7 @@
 //! `[scene]`: the name, the question, and how the scene is judged.
 
 use super::abstract_scene::MOST;
-use super::diagnostic::SceneError;
+use super::diagnostic::Result;
 use super::reading::Reading;
 
 /// The verdict that a scene must reach.
@@ -55,7 +55,7 @@ pub(super) enum SceneKind {
 
 impl SceneKind {
     /// The kind named in a file; by default contact.
-    pub(crate) fn validate(reading: &Reading) -> Result<SceneKind, SceneError> {
+    pub(crate) fn validate(reading: &Reading) -> Result<SceneKind> {
         let known = [("contact", SceneKind::Contact), ("abstract", SceneKind::Abstract)];
         reading.choice_or("scene.kind", &known, SceneKind::Contact)
     }
@@ -66,7 +66,7 @@ impl SceneKind {
 const LONGEST_NAME: usize = 200;
 
 /// A name becomes part of file names: letters, digits, `-` and `_`.
-pub(super) fn name(reading: &Reading) -> Result<String, SceneError> {
+pub(super) fn name(reading: &Reading) -> Result<String> {
     let name: String = reading.required("scene.name")?;
     let allowed = |c: char| c.is_ascii_alphanumeric() || c == '-' || c == '_';
     let message = format!("a name of {} characters", name.len());
@@ -78,7 +78,7 @@ pub(super) fn name(reading: &Reading) -> Result<String, SceneError> {
     reading.refuse_if(odd, "scene.name", message, hint).map(|()| name)
 }
 
-pub(super) fn dimension(reading: &Reading, kind: SceneKind) -> Result<usize, SceneError> {
+pub(super) fn dimension(reading: &Reading, kind: SceneKind) -> Result<usize> {
     let dimension: i64 = reading.required("scene.dimension")?;
     let (known, message, hint) = match kind {
         SceneKind::Abstract => (
@@ -96,13 +96,13 @@ pub(super) fn dimension(reading: &Reading, kind: SceneKind) -> Result<usize, Sce
     Ok(dimension.unsigned_abs() as usize)
 }
 
-pub(super) fn expectation(reading: &Reading) -> Result<Expectation, SceneError> {
+pub(super) fn expectation(reading: &Reading) -> Result<Expectation> {
     let known = [Expectation::Pass, Expectation::Fail, Expectation::Unresolved];
     let known = known.map(|verdict| (verdict.name(), verdict));
     reading.choice_or("scene.expect", &known, Expectation::Pass)
 }
 
-pub(super) fn violates(reading: &Reading) -> Result<Vec<Hypothesis>, SceneError> {
+pub(super) fn violates(reading: &Reading) -> Result<Vec<Hypothesis>> {
     let one = |index| reading.choice(&format!("scene.violates.{index}"), &Hypothesis::NAMES);
     reading.entries("scene.violates")?.map(one).collect()
 }

@@ -1,6 +1,6 @@
 //! Memory kernels by name: a table in place of a formula in t.
 
-use super::diagnostic::SceneError;
+use super::diagnostic::Result;
 use super::reading::Reading;
 use super::spans::join;
 use super::values::Formula;
@@ -12,7 +12,7 @@ pub(super) const KERNELS: [(&str, &str); 3] =
     [("exponential", "amplitude time"), ("prony", "terms"), ("power", "amplitude time exponent")];
 
 /// The formula of a kernel, given directly or by a table.
-pub(super) fn formula_of(reading: &Reading, key: &str) -> Result<Formula, SceneError> {
+pub(super) fn formula_of(reading: &Reading, key: &str) -> Result<Formula> {
     if !reading.has_parts(key) {
         return reading.required(key);
     }
@@ -34,7 +34,7 @@ fn decay(amplitude: f64, time: f64) -> String {
     format!("({amplitude:?})*exp(-({:?})*t)", 1.0 / time)
 }
 
-fn prony(reading: &Reading, key: &str) -> Result<Formula, SceneError> {
+fn prony(reading: &Reading, key: &str) -> Result<Formula> {
     let terms = reading.entries(key)?;
     let hint = "for instance: terms = [[-0.5, 0.2], [-0.3, 2.0]]";
     reading.refuse_if(terms.is_empty(), key, "a Prony series without terms", hint)?;

@@ -1,7 +1,7 @@
 //! The keys of all tables of a scene file. Unknown ones are refused before values are read: a misspelt key is why another
 //! is missing.
 
-use super::diagnostic::SceneError;
+use super::diagnostic::Result;
 use super::domain::MESHES;
 use super::elastic::TENSORS;
 use super::friction::BOUNDS;
@@ -76,7 +76,7 @@ const WITH_KINDS: &[(&str, Kinds)] = &[
 ];
 
 /// Refuses a key that no table of its name has.
-pub(super) fn refuse_unknown(reading: &Reading, kind: SceneKind) -> Result<(), SceneError> {
+pub(super) fn refuse_unknown(reading: &Reading, kind: SceneKind) -> Result<()> {
     let of_kind = match kind {
         SceneKind::Contact => OF_BODIES,
         SceneKind::Abstract => OF_ABSTRACT,
@@ -95,7 +95,7 @@ pub(super) fn refuse_unknown(reading: &Reading, kind: SceneKind) -> Result<(), S
     Ok(())
 }
 
-fn tables(reading: &Reading, name: &str) -> Result<Vec<String>, SceneError> {
+fn tables(reading: &Reading, name: &str) -> Result<Vec<String>> {
     let Some((list, rest)) = name.split_once(".*") else { return Ok(vec![name.to_string()]) };
     let of_entry = |i| tables(reading, &format!("{list}.{i}{rest}"));
     Ok(reading.entries(list)?.map(of_entry).collect::<Result<Vec<_>, _>>()?.concat())

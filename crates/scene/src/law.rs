@@ -1,7 +1,7 @@
 //! The compliance law p = ∂j_ν: piecewise linear or curved, with upward jumps only.
 
 use super::curve;
-use super::diagnostic::SceneError;
+use super::diagnostic::Result;
 use super::reading::Reading;
 use super::scale::Scale;
 use super::spans::join;
@@ -33,7 +33,7 @@ pub struct Law {
 }
 
 impl Law {
-    pub(super) fn validate(reading: &Reading, table: &str) -> Result<Option<Law>, SceneError> {
+    pub(super) fn validate(reading: &Reading, table: &str) -> Result<Option<Law>> {
         let curve = match reading.kind(table, &LAWS)? {
             "none" => return Ok(None),
             "linear" => {
@@ -55,7 +55,7 @@ impl Law {
         Law { points, slope_before, slope_after, curve: None, scale: None }
     }
 
-    fn piecewise_linear(reading: &Reading, table: &str) -> Result<Law, SceneError> {
+    fn piecewise_linear(reading: &Reading, table: &str) -> Result<Law> {
         let key = join(table, "points");
         let points = reading.points(&key, "[r, p(r)]")?;
         let before = reading.finite(&join(table, "slope_before"))?;
@@ -67,7 +67,7 @@ impl Law {
         Ok(law)
     }
 
-    fn check_order(&self, reading: &Reading, table: &str) -> Result<(), SceneError> {
+    fn check_order(&self, reading: &Reading, table: &str) -> Result<()> {
         for (index, pair) in self.points.windows(2).enumerate() {
             let key = format!("{table}.points.{}", index + 1);
             admissible(reading, &key, pair[0], pair[1])?;
@@ -144,7 +144,7 @@ fn admissible(
     key: &str,
     [r, p]: [f64; 2],
     [next_r, next_p]: [f64; 2],
-) -> Result<(), SceneError> {
+) -> Result<()> {
     let message = format!("the abscissa {next_r} comes after {r}: points must be sorted");
     reading.refuse_if(next_r < r, key, message, "sort the points by their first number")?;
     let message = format!("the point [{r}, {p}] is given twice");

@@ -48,7 +48,7 @@ pub use abstract_scene::{AbstractKernel, AbstractScene, AbstractTrace};
 pub use change::Change;
 pub use contact::Contact;
 pub use data::Data;
-pub use diagnostic::{SceneError, TextFault};
+pub use diagnostic::{Result, SceneError, TextFault};
 pub use domain::{Domain, Face, Shape, Side};
 pub use exact::{FrictionBound, LoadForm};
 pub use extension::Extension;

@@ -2,7 +2,7 @@
 
 use vhi::law::FourthOrder;
 
-use super::diagnostic::SceneError;
+use super::diagnostic::Result;
 use super::domain::Domain;
 use super::elastic::elastic;
 use super::memory::{self, RelaxationTerm};
@@ -39,7 +39,7 @@ impl Material {
         reading: &mut Reading,
         horizon: f64,
         domain: &Domain,
-    ) -> Result<Material, SceneError> {
+    ) -> Result<Material> {
         let elastic = elastic(reading, "material", domain.dimension())?;
         let base = memory::parts(reading, None, horizon, domain.dimension())?.unwrap_or_default();
         let (mut regions, mut parts) = (Vec::new(), Vec::new());
@@ -83,11 +83,7 @@ impl Material {
 }
 
 impl Region {
-    fn validate(
-        reading: &mut Reading,
-        index: usize,
-        domain: &Domain,
-    ) -> Result<Region, SceneError> {
+    fn validate(reading: &mut Reading, index: usize, domain: &Domain) -> Result<Region> {
         let table = format!("material.region.{index}");
         let key = join(&table, "name");
         let name: String = reading.required(&key)?;

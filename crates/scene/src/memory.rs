@@ -2,7 +2,7 @@
 
 use formula::{EvaluationPoint, Interval, Node, Scope, Variable};
 
-use super::diagnostic::SceneError;
+use super::diagnostic::Result;
 use super::kernel::formula_of;
 use super::reading::Reading;
 use super::singular;
@@ -52,7 +52,7 @@ pub(super) fn parts(
     region: Option<usize>,
     horizon: f64,
     dimension: usize,
-) -> Result<Option<Vec<Part>>, SceneError> {
+) -> Result<Option<Vec<Part>>> {
     let key = &*key(region);
     if !reading.has(key) {
         return Ok(None);
@@ -108,7 +108,7 @@ impl Part {
 }
 
 /// A kernel, or the factor of one, with a proved bound on [0, T].
-fn validated(reading: &mut Reading, key: &str, horizon: f64) -> Result<Node, SceneError> {
+fn validated(reading: &mut Reading, key: &str, horizon: f64) -> Result<Node> {
     let formula = formula_of(reading, key)?;
     let kernel = reading.compiled(key, &formula, &Scope::new(&[Variable::T]))?;
     let start = [EvaluationPoint::default()];

@@ -1,6 +1,6 @@
 //! `[[predicts]]`: the orders that the theory promises, with their theorems.
 
-use super::diagnostic::SceneError;
+use super::diagnostic::Result;
 use super::heading::name_in;
 use super::reading::Reading;
 use super::spans::join;
@@ -82,11 +82,7 @@ impl Norm {
         matches!(self, Norm::TraceMax(_) | Norm::PressureMax(_) | Norm::ContactMeasureMax)
     }
 
-    pub(super) fn validate(
-        reading: &Reading,
-        key: &str,
-        has_contact: bool,
-    ) -> Result<Norm, SceneError> {
+    pub(super) fn validate(reading: &Reading, key: &str, has_contact: bool) -> Result<Norm> {
         let norm = reading.choice(key, &Norm::NAMES)?;
         let message = format!("`{}` is measured on Γ3, and the scene has no contact", norm.name());
         let hint = "choose V_max, L2_max or stress_L2_max, or add contact";
@@ -127,7 +123,7 @@ impl Prediction {
         reading: &Reading,
         index: usize,
         has_contact: bool,
-    ) -> Result<Prediction, SceneError> {
+    ) -> Result<Prediction> {
         let table = format!("predicts.{index}");
         let key = |name: &str| join(&table, name);
         let flag = |name: &str| reading.optional::<bool>(&key(name));
@@ -162,7 +158,7 @@ impl Prediction {
 
 impl Prediction {
     /// An abstract scene has no mesh: its errors are ‖u_n - u_n^k‖_X and that of the pressures, in k only.
-    pub(super) fn only_in_time(&self, reading: &Reading, index: usize) -> Result<(), SceneError> {
+    pub(super) fn only_in_time(&self, reading: &Reading, index: usize) -> Result<()> {
         let key = |name: &str| format!("predicts.{index}.{name}");
         let message = format!("`{}` needs a body", self.norm.name());
         let hint = "the errors of an abstract scene are V_max, the largest norm in X, and with functionals pressure_L2_max";
@@ -179,7 +175,7 @@ fn constant_within(
     reading: &Reading,
     key: &dyn Fn(&str) -> String,
     constant: bool,
-) -> Result<Option<f64>, SceneError> {
+) -> Result<Option<f64>> {
     let (within, why) = (key("constant_within"), key("constant_why"));
     let reason: Option<String> = reading.optional(&why)?;
     let explained = reason.is_some_and(|reason| !reason.trim().is_empty());
@@ -211,11 +207,7 @@ fn constant_within(
     Err(reading.key_error(key, message, hint))
 }
 
-fn order_in_k(
-    reading: &Reading,
-    key: &str,
-    variable: Direction,
-) -> Result<Option<f64>, SceneError> {
+fn order_in_k(reading: &Reading, key: &str, variable: Direction) -> Result<Option<f64>> {
     match (variable, reading.has(key)) {
         (Direction::Joint, true) => reading.positive(key).map(Some),
         (Direction::Joint, false) => Err(reading.error(

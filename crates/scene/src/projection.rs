@@ -2,7 +2,7 @@
 
 use formula::{Interval, Node, Scope, Variable};
 
-use super::diagnostic::SceneError;
+use super::diagnostic::Result;
 use super::heading::Hypothesis;
 use super::reading::Reading;
 
@@ -24,7 +24,7 @@ pub struct Projection {
 }
 
 impl Projection {
-    pub(super) fn validate(reading: &mut Reading, horizon: f64) -> Result<Projection, SceneError> {
+    pub(super) fn validate(reading: &mut Reading, horizon: f64) -> Result<Projection> {
         let key = "material.projection.kappa";
         let fault = "is negative: the projection term would not be monotone";
         let hint = "give mu >= 0; remove [material.projection] for mu = 0";
@@ -38,7 +38,7 @@ impl Projection {
 }
 
 /// κ finite and nonnegative.
-fn yield_bound(reading: &Reading, key: &str, kappa: Node, horizon: f64) -> Result<(), SceneError> {
+fn yield_bound(reading: &Reading, key: &str, kappa: Node, horizon: f64) -> Result<()> {
     let over = Interval::new(0.0, LARGEST_MEAN_STRAIN * horizon);
     let must = "a yield bound must be finite and not negative";
     let hint = "give a formula with values >= 0 for all zeta >= 0, such as max(0, 0.2 - zeta)";
@@ -51,12 +51,7 @@ fn yield_bound(reading: &Reading, key: &str, kappa: Node, horizon: f64) -> Resul
 }
 
 /// The bound of |κ'| for all ζ ≥ 0; refuses a κ without one on [0, 100 T], or with a jump.
-fn lipschitz(
-    reading: &mut Reading,
-    key: &str,
-    kappa: Node,
-    horizon: f64,
-) -> Result<f64, SceneError> {
+fn lipschitz(reading: &mut Reading, key: &str, kappa: Node, horizon: f64) -> Result<f64> {
     let graph = &mut reading.formulas;
     let slope = graph.derivative(kappa, Variable::Zeta);
     let bound = |high| graph.largest_modulus(slope, Variable::Zeta, Interval::new(0.0, high));

@@ -8,7 +8,7 @@ use formula::{EvaluationPoint, Graph, Node, Scope, Variable};
 use toml::de::DeTable;
 
 use super::data::AXES;
-use super::diagnostic::SceneError;
+use super::diagnostic::{Result, SceneError};
 use super::heading::Hypothesis;
 use super::source::Source;
 use super::spans::Spans;
@@ -53,7 +53,7 @@ impl<'a> Reading<'a> {
         key: &str,
         message: impl ToString,
         hint: impl Into<String>,
-    ) -> Result<(), SceneError> {
+    ) -> Result<()> {
         if fault { Err(self.error(key, message.to_string(), hint)) } else { Ok(()) }
     }
 
@@ -78,12 +78,12 @@ impl<'a> Reading<'a> {
     }
 
     /// The number at a key.
-    pub(crate) fn finite(&self, key: &str) -> Result<f64, SceneError> {
+    pub(crate) fn finite(&self, key: &str) -> Result<f64> {
         self.finite_number(key, self.required(key)?)
     }
 
     /// The number at a key, above 0.
-    pub(crate) fn positive(&self, key: &str) -> Result<f64, SceneError> {
+    pub(crate) fn positive(&self, key: &str) -> Result<f64> {
         self.positive_number(key, self.required(key)?)
     }
 
@@ -93,20 +93,20 @@ impl<'a> Reading<'a> {
         key: &str,
         fits: impl Fn(f64) -> bool,
         [fault, hint]: [&str; 2],
-    ) -> Result<f64, SceneError> {
+    ) -> Result<f64> {
         self.fitting(key, self.required(key)?, fits, [fault, hint])
     }
 
     /// The number at a key, between 0 and 1.
-    pub(crate) fn share(&self, key: &str, hint: &str) -> Result<f64, SceneError> {
+    pub(crate) fn share(&self, key: &str, hint: &str) -> Result<f64> {
         self.number(key, |share| share > 0.0 && share < 1.0, ["is not between 0 and 1", hint])
     }
 
-    pub(crate) fn finite_number(&self, key: &str, value: f64) -> Result<f64, SceneError> {
+    pub(crate) fn finite_number(&self, key: &str, value: f64) -> Result<f64> {
         self.fitting(key, value, f64::is_finite, ["is not finite", "give a finite number"])
     }
 
-    pub(crate) fn positive_number(&self, key: &str, value: f64) -> Result<f64, SceneError> {
+    pub(crate) fn positive_number(&self, key: &str, value: f64) -> Result<f64> {
         let value = self.finite_number(key, value)?;
         self.fitting(key, value, |value| value > 0.0, ["is not positive", "give a number above 0"])
     }
@@ -117,13 +117,13 @@ impl<'a> Reading<'a> {
         value: f64,
         fits: impl Fn(f64) -> bool,
         [fault, hint]: [&str; 2],
-    ) -> Result<f64, SceneError> {
+    ) -> Result<f64> {
         let message = format!("`{}` = {value} {fault}", last(key));
         self.refuse_if(!fits(value), key, message, hint).map(|()| value)
     }
 
     /// A whole number from 1 to 2³¹ - 1.
-    pub(crate) fn count(&self, key: &str) -> Result<u32, SceneError> {
+    pub(crate) fn count(&self, key: &str) -> Result<u32> {
         let value: i64 = self.required(key)?;
         let count = i32::try_from(value).ok().filter(|&count| count >= 1);
         count.map(i32::unsigned_abs).ok_or_else(|| {
@@ -132,7 +132,7 @@ impl<'a> Reading<'a> {
         })
     }
 
-    pub(crate) fn seed(&self, key: &str) -> Result<u64, SceneError> {
+    pub(crate) fn seed(&self, key: &str) -> Result<u64> {
         let value: i64 = self.required(key)?;
         let negative = format!("the seed {value} is negative");
         let hint = "give a whole number, 0 or above";
@@ -140,7 +140,7 @@ impl<'a> Reading<'a> {
     }
 
     /// An increasing pair of counts, if it is there: the window of an order.
-    pub(crate) fn window(&self, key: &str) -> Result<Option<[u32; 2]>, SceneError> {
+    pub(crate) fn window(&self, key: &str) -> Result<Option<[u32; 2]>> {
         match self.optional::<Vec<i64>>(key)?.as_deref() {
             None => Ok(None),
             Some([first, last]) if first <= last => {
@@ -154,7 +154,7 @@ impl<'a> Reading<'a> {
     }
 
     /// Points of a graph; `form` names their two numbers.
-    pub(crate) fn points(&self, key: &str, form: &str) -> Result<Vec<[f64; 2]>, SceneError> {
+    pub(crate) fn points(&self, key: &str, form: &str) -> Result<Vec<[f64; 2]>> {
         let count = self.required::<Vec<IgnoredAny>>(key)?.len();
         let hint = format!("a point is two finite numbers: {form}");
         (0..count).map(|index| self.pair(&format!("{key}.{index}"), &hint)).collect()
@@ -175,12 +175,7 @@ impl<'a> Reading<'a> {
     }
 
     /// Compiles a formula; an error points into its text.
-    pub(crate) fn compiled(
-        &mut self,
-        key: &str,
-        formula: &Formula,
-        scope: &Scope,
-    ) -> Result<Node, SceneError> {
+    pub(crate) fn compiled(&mut self, key: &str, formula: &Formula, scope: &Scope) -> Result<Node> {
         self.formulas.parse(&formula.0, scope).map_err(|error| {
             let hint = error.hint.unwrap_or_else(|| "correct the formula".to_string());
             let span = self.inside(key, &formula.0, error.span);
@@ -189,7 +184,7 @@ impl<'a> Reading<'a> {
     }
 
     /// The formula at a key.
-    pub(crate) fn formula(&mut self, key: &str, scope: &Scope) -> Result<Node, SceneError> {
+    pub(crate) fn formula(&mut self, key: &str, scope: &Scope) -> Result<Node> {
         self.compiled(key, &self.required(key)?, scope)
     }
 
@@ -199,7 +194,7 @@ impl<'a> Reading<'a> {
         key: &str,
         dimension: usize,
         scope: &Scope,
-    ) -> Result<Vec<Node>, SceneError> {
+    ) -> Result<Vec<Node>> {
         self.components(key, &self.required::<Vec<Formula>>(key)?, dimension, scope)
     }
 
@@ -210,7 +205,7 @@ impl<'a> Reading<'a> {
         formulas: &[Formula],
         dimension: usize,
         scope: &Scope,
-    ) -> Result<Vec<Node>, SceneError> {
+    ) -> Result<Vec<Node>> {
         let (name, count) = (last(key), formulas.len());
         let message = format!("`{name}` has {count} components in dimension {dimension}");
         let hint = format!("give {dimension} formulas, one a component");
@@ -226,8 +221,8 @@ impl<'a> Reading<'a> {
     pub(crate) fn if_given<T>(
         &mut self,
         key: &str,
-        read: impl FnOnce(&mut Self, &str) -> Result<T, SceneError>,
-    ) -> Result<Option<T>, SceneError> {
+        read: impl FnOnce(&mut Self, &str) -> Result<T>,
+    ) -> Result<Option<T>> {
         if self.has(key) { read(self, key).map(Some) } else { Ok(None) }
     }
 
@@ -238,7 +233,7 @@ impl<'a> Reading<'a> {
         points: impl IntoIterator<Item = EvaluationPoint>,
         fits: impl Fn(f64) -> bool,
         refusal: impl Fn(&EvaluationPoint, f64) -> (String, H),
-    ) -> Result<(), SceneError> {
+    ) -> Result<()> {
         let values = points.into_iter().map(|at| (at, self.formulas.evaluate(node, &at)));
         match values.into_iter().find(|(_, value)| !fits(*value)) {
             None => Ok(()),

@@ -4,7 +4,7 @@ use fem::mesh::CoarseMesh;
 use formula::{Graph, Node, Scope};
 
 use super::data::AXES;
-use super::diagnostic::SceneError;
+use super::diagnostic::Result;
 use super::domain::{Domain, Shape};
 use super::reading::Reading;
 use super::spans::join;
@@ -24,7 +24,7 @@ pub(super) fn place(
     key: &str,
     name: &str,
     domain: &Domain,
-) -> Result<Place, SceneError> {
+) -> Result<Place> {
     let (condition, physical) = (join(key, "where"), join(key, "physical"));
     match (reading.has(&condition), reading.has(&physical)) {
         (true, false) => {

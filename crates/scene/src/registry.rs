@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-use super::diagnostic::SceneError;
+use super::diagnostic::{Result, SceneError};
 use super::nearest::by_distance;
 use super::source::{Inside, Source};
 use super::validated::Scene;
@@ -35,7 +35,7 @@ impl Registry {
     ///
     /// # Errors
     /// The folder cannot be read, or two files have one name.
-    pub fn open(folder: &Path) -> Result<Registry, SceneError> {
+    pub fn open(folder: &Path) -> Result<Registry> {
         let (folder, files) = (folder.to_path_buf(), BTreeMap::new());
         let mut registry = Registry { folder, files, inside: &[] };
         registry.enter(&registry.folder.clone(), DEEPEST)?;
@@ -59,7 +59,7 @@ impl Registry {
     ///
     /// # Errors
     /// No scene has that name; the nearest names are given.
-    pub(crate) fn find(&self, scene: &str) -> Result<PathBuf, SceneError> {
+    pub(crate) fn find(&self, scene: &str) -> Result<PathBuf> {
         if let Some(path) = self.files.get(scene) {
             return Ok(path.clone());
         }
@@ -73,7 +73,7 @@ impl Registry {
     ///
     /// # Errors
     /// The scene is unknown or invalid, or a file of the folder holds a scene of another name.
-    pub fn load(&self, scene: &str) -> Result<Scene, SceneError> {
+    pub fn load(&self, scene: &str) -> Result<Scene> {
         let path = self.find(scene)?;
         let loaded = match self.text(&path) {
             Some(text) => Scene::from_source(Source {
@@ -110,7 +110,7 @@ impl Registry {
         SceneError::Unknown { name: name.to_string(), folder: self.folder.clone(), way_out }
     }
 
-    fn enter(&mut self, folder: &Path, deeper: usize) -> Result<(), SceneError> {
+    fn enter(&mut self, folder: &Path, deeper: usize) -> Result<()> {
         let unreadable = |error: std::io::Error| SceneError::Unreadable {
             path: folder.to_path_buf(),
             reason: error.to_string(),
@@ -130,7 +130,7 @@ impl Registry {
         Ok(())
     }
 
-    fn add(&mut self, path: PathBuf) -> Result<(), SceneError> {
+    fn add(&mut self, path: PathBuf) -> Result<()> {
         let name = stem(&path);
         match self.files.insert(name.clone(), path.clone()) {
             None => Ok(()),

@@ -2,7 +2,7 @@
 
 use formula::Node;
 
-use super::diagnostic::SceneError;
+use super::diagnostic::Result;
 use super::domain::{Domain, place};
 use super::gap::finite_on_contact;
 use super::reading::Reading;
@@ -17,11 +17,7 @@ pub struct Scale {
 }
 
 impl Scale {
-    pub(super) fn validate(
-        reading: &mut Reading,
-        key: &str,
-        domain: &Domain,
-    ) -> Result<Self, SceneError> {
+    pub(super) fn validate(reading: &mut Reading, key: &str, domain: &Domain) -> Result<Self> {
         let formula = finite_on_contact(reading, key, domain)?;
         let mut largest = 0.0f64;
         for &side in &domain.contact {

@@ -1,6 +1,6 @@
 //! `singular`: the exponent of kernels that are infinite at s = t.
 
-use super::diagnostic::SceneError;
+use super::diagnostic::Result;
 use super::reading::Reading;
 use super::spans::join;
 use super::time::{Time, TimeRule};
@@ -16,7 +16,7 @@ pub(super) fn way_out(formula: &str) -> String {
 ///
 /// # Errors
 /// An exponent that is not between 0 and 1.
-pub(super) fn exponent(reading: &Reading, table: &str) -> Result<f64, SceneError> {
+pub(super) fn exponent(reading: &Reading, table: &str) -> Result<f64> {
     let key = join(table, "singular");
     let hint = "the kernel is t^(-singular) times its formula; from 1 on it has no integral, and without the key it is the formula";
     let given = reading.has(&key).then(|| reading.share(&key, hint)).transpose()?;
@@ -44,7 +44,7 @@ pub(super) fn needs_product_integration(
     reading: &Reading,
     time: &Time,
     singular: Option<String>,
-) -> Result<(), SceneError> {
+) -> Result<()> {
     let Some(key) = singular else { return Ok(()) };
     let message =
         "a kernel with `singular` is infinite at s = t, where this time rule takes its value";

@@ -3,7 +3,7 @@
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
-use super::diagnostic::SceneError;
+use super::diagnostic::{Result, SceneError};
 use files::{FileError, fnv_1a, read_file_up_to};
 
 const LARGEST_FILE: u64 = 1 << 20;
@@ -42,7 +42,7 @@ impl Source {
     ///
     /// # Errors
     /// The file is missing or unreadable, too large, or not UTF-8 (the first wrong byte is named).
-    pub(crate) fn read(path: &Path) -> Result<Source, SceneError> {
+    pub(crate) fn read(path: &Path) -> Result<Source> {
         let bytes = read_file_up_to(path, LARGEST_FILE).map_err(unread)?;
         match String::from_utf8(bytes) {
             Ok(text) => Ok(Source::from_text(path, text)),

@@ -2,7 +2,7 @@
 
 use serde::de::IgnoredAny;
 
-use super::diagnostic::SceneError;
+use super::diagnostic::{Result, SceneError};
 use super::domain::{Domain, Shape};
 use super::prediction::{Direction, Norm, Prediction};
 use super::reading::Reading;
@@ -37,11 +37,7 @@ pub struct Sweep {
 }
 
 impl Sweep {
-    pub(super) fn validate(
-        reading: &Reading,
-        domain: &Domain,
-        has_contact: bool,
-    ) -> Result<Sweep, SceneError> {
+    pub(super) fn validate(reading: &Reading, domain: &Domain, has_contact: bool) -> Result<Sweep> {
         let pairs = if reading.has("sweep.pairs") { Some(path(reading, domain)?) } else { None };
         let (n, steps) = match &pairs {
             Some(pairs) => [0, 1].map(|i| distinct(pairs.iter().map(|pair| pair[i]))).into(),
@@ -68,7 +64,7 @@ impl Sweep {
     }
 
     /// The sweep of an abstract scene: numbers of steps only.
-    pub(super) fn in_time(reading: &Reading) -> Result<Sweep, SceneError> {
+    pub(super) fn in_time(reading: &Reading) -> Result<Sweep> {
         Ok(Sweep { steps: counts(reading, "sweep.steps")?, ..Sweep::default() })
     }
 }
@@ -87,12 +83,7 @@ impl Reference {
         )
     }
 
-    fn validate(
-        reading: &Reading,
-        domain: &Domain,
-        n: &[u32],
-        steps: &[u32],
-    ) -> Result<Reference, SceneError> {
+    fn validate(reading: &Reading, domain: &Domain, n: &[u32], steps: &[u32]) -> Result<Reference> {
         let reference = Reference {
             n: reading.count("sweep.reference.n")?,
             steps: step_count(reading, "sweep.reference.steps")?,
@@ -113,7 +104,7 @@ impl Reference {
 }
 
 /// The pairs [n, N] of a path: at least three, with increasing n and nondecreasing N.
-fn path(reading: &Reading, domain: &Domain) -> Result<Vec<[u32; 2]>, SceneError> {
+fn path(reading: &Reading, domain: &Domain) -> Result<Vec<[u32; 2]>> {
     let both = reading.has("sweep.n") || reading.has("sweep.steps");
     let hint = "keep pairs, or the lists n and steps of a grid";
     reading.refuse_if(both, "sweep.pairs", "both pairs and a grid of n and steps", hint)?;
@@ -142,7 +133,7 @@ fn distinct(values: impl Iterator<Item = u32>) -> Vec<u32> {
     values
 }
 
-fn step_count(reading: &Reading, key: &str) -> Result<u32, SceneError> {
+fn step_count(reading: &Reading, key: &str) -> Result<u32> {
     let count = reading.count(key)?;
     let message = format!("{count} time steps are more than {MOST_STEPS}");
     reading.refuse_if(count > MOST_STEPS, key, message, "choose fewer steps").map(|()| count)
@@ -150,7 +141,7 @@ fn step_count(reading: &Reading, key: &str) -> Result<u32, SceneError> {
 
 impl Time {
     /// Refuses numbers of steps of a sweep, each with its key, that make no grid.
-    pub(super) fn serves(&self, reading: &Reading, sweep: &Sweep) -> Result<(), SceneError> {
+    pub(super) fn serves(&self, reading: &Reading, sweep: &Sweep) -> Result<()> {
         let of_grid = sweep.steps.iter().enumerate().map(|(i, &steps)| match &sweep.pairs {
             None => (format!("sweep.steps.{i}"), steps),
             Some(_) => ("sweep.pairs".into(), steps),
@@ -165,7 +156,7 @@ impl Time {
     }
 }
 
-fn counts(reading: &Reading, key: &str) -> Result<Vec<u32>, SceneError> {
+fn counts(reading: &Reading, key: &str) -> Result<Vec<u32>> {
     let entries = 0..reading.required::<Vec<IgnoredAny>>(key)?.len();
     let hint = "give at least one: [8, 16, 32]";
     reading.refuse_if(entries.is_empty(), key, "the list is empty", hint)?;
@@ -209,7 +200,7 @@ fn unfit(n: u32, domain: &Domain) -> Option<(String, &'static str)> {
     Some((message, "choose n so that n times each side is a whole number"))
 }
 
-fn whole_cells(reading: &Reading, key: &str, n: u32, domain: &Domain) -> Result<(), SceneError> {
+fn whole_cells(reading: &Reading, key: &str, n: u32, domain: &Domain) -> Result<()> {
     unfit(n, domain).map_or(Ok(()), |(message, hint)| Err(reading.error(key, message, hint)))
 }
 
@@ -218,7 +209,7 @@ impl Scene {
     ///
     /// # Errors
     /// An n that does not.
-    pub fn check_cells(&self, n: u32) -> Result<(), SceneError> {
+    pub fn check_cells(&self, n: u32) -> Result<()> {
         let fault = self.as_contact().and_then(|body| unfit(n, &body.domain));
         fault.map_or(Ok(()), |(message, hint)| Err(self.error("domain.size", message, hint)))
     }
@@ -227,14 +218,14 @@ impl Scene {
     ///
     /// # Errors
     /// A number that does not.
-    pub fn check_steps(&self, steps: &[u32]) -> Result<(), SceneError> {
+    pub fn check_steps(&self, steps: &[u32]) -> Result<()> {
         let fault = steps.iter().find_map(|&steps| self.time.grid(steps).err());
         let Some(fault) = fault else { return Ok(()) };
         Err(self.error("time.grid", fault.to_string(), SMALLER_EXPONENT))
     }
 
     /// [`Self::check_steps`] of the sweep and its reference run, which studies change after a file was read.
-    pub(crate) fn check_sweep(&self) -> Result<(), SceneError> {
+    pub(crate) fn check_sweep(&self) -> Result<()> {
         let Some(sweep) = &self.sweep else { return Ok(()) };
         let steps = sweep.steps.iter().copied();
         let all: Vec<u32> = steps.chain(sweep.reference.map(|run| run.steps)).collect();
@@ -245,7 +236,7 @@ impl Scene {
     ///
     /// # Errors
     /// As [`Self::check_cases`]; any grid for a scene that runs along a path.
-    pub fn check_grid(&self, n: &[u32], steps: &[u32]) -> Result<(), SceneError> {
+    pub fn check_grid(&self, n: &[u32], steps: &[u32]) -> Result<()> {
         let path = self.sweep.as_ref().is_some_and(|sweep| sweep.pairs.is_some());
         let grid = !(n.is_empty() && steps.is_empty());
         let message = "the scene runs along a path of pairs, not on a grid";
@@ -264,7 +255,7 @@ impl Scene {
     ///
     /// # Errors
     /// As [`Self::check_cells`] and [`Self::check_steps`]; an n or a number of steps that the reference run does not refine.
-    pub fn check_cases(&self, n: &[u32], steps: &[u32]) -> Result<(), SceneError> {
+    pub fn check_cases(&self, n: &[u32], steps: &[u32]) -> Result<()> {
         n.iter().try_for_each(|&n| self.check_cells(n))?;
         self.check_steps(steps)?;
         let reference = self.sweep.as_ref().and_then(|sweep| sweep.reference);
@@ -279,7 +270,7 @@ pub(super) fn serves(
     reading: &Reading,
     sweep: Option<&Sweep>,
     predicts: &[Prediction],
-) -> Result<(), SceneError> {
+) -> Result<()> {
     let path = sweep.is_some_and(|sweep| sweep.pairs.is_some());
     let odd = predicts.iter().position(|p| (p.variable == Direction::Path) != path);
     let (Some(index), Some(_)) = (odd, sweep) else { return Ok(()) };
@@ -296,7 +287,7 @@ pub(super) fn states_are_known(
     known: bool,
     sweep: Option<&Sweep>,
     predicts: &[Prediction],
-) -> Result<(), SceneError> {
+) -> Result<()> {
     let listed = sweep.and_then(|sweep| sweep.norms.as_ref());
     let listed = listed.and_then(|list| list.iter().position(|norm| norm.by_state()));
     let judged = predicts.iter().position(|prediction| prediction.norm.by_state());

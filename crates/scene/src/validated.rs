@@ -12,7 +12,7 @@ use super::abstract_scene::AbstractScene;
 use super::contact::Contact;
 use super::data::Data;
 use super::definitions::parameters;
-use super::diagnostic::SceneError;
+use super::diagnostic::{Result, SceneError};
 use super::discretization::element;
 use super::domain::{Domain, with_mesh};
 use super::friction::Friction;
@@ -106,7 +106,7 @@ impl Scene {
     ///
     /// # Errors
     /// The first fault found, with its place and the way out.
-    pub fn read(path: &Path) -> Result<Scene, SceneError> {
+    pub fn read(path: &Path) -> Result<Scene> {
         Scene::from_source(Source::read(path)?)
     }
 
@@ -114,7 +114,7 @@ impl Scene {
     ///
     /// # Errors
     /// The first fault found, with its place and the way out.
-    pub fn from_source(source: Source) -> Result<Scene, SceneError> {
+    pub fn from_source(source: Source) -> Result<Scene> {
         if is_blank(&source.text) {
             return Err(SceneError::Empty { path: source.path });
         }
@@ -179,7 +179,7 @@ impl Scene {
         key: &str,
         message: impl ToString,
         hint: impl Into<String>,
-    ) -> Result<(), SceneError> {
+    ) -> Result<()> {
         if fault { Err(self.error(key, message.to_string(), hint)) } else { Ok(()) }
     }
 
@@ -207,7 +207,7 @@ struct Content {
     sweep: Option<Sweep>,
 }
 
-fn contact(reading: &mut Reading, dimension: usize, judge: bool) -> Result<Content, SceneError> {
+fn contact(reading: &mut Reading, dimension: usize, judge: bool) -> Result<Content> {
     let domain = Domain::validate(reading, dimension)?;
     let time = Time::validate(reading)?;
     let material = Material::validate(reading, time.horizon, &domain)?;
@@ -228,7 +228,7 @@ fn contact(reading: &mut Reading, dimension: usize, judge: bool) -> Result<Conte
     Ok(Content { time, body: Body::Contact(Box::new(body)), predicts, sweep })
 }
 
-fn abstract_problem(reading: &mut Reading, dimension: usize) -> Result<Content, SceneError> {
+fn abstract_problem(reading: &mut Reading, dimension: usize) -> Result<Content> {
     let time = Time::validate(reading)?;
     reading.parameters = parameters(reading)?;
     let body = AbstractScene::validate(reading, time.horizon, dimension)?;
@@ -242,18 +242,13 @@ fn abstract_problem(reading: &mut Reading, dimension: usize) -> Result<Content, 
     Ok(Content { time, body: Body::Abstract(Box::new(body)), predicts, sweep })
 }
 
-fn predictions(reading: &Reading, has_contact: bool) -> Result<Vec<Prediction>, SceneError> {
+fn predictions(reading: &Reading, has_contact: bool) -> Result<Vec<Prediction>> {
     let one = |index| Prediction::validate(reading, index, has_contact);
     reading.entries("predicts")?.map(one).collect()
 }
 
 /// A scene without an exact solution needs a reference run, unless it is neither judged nor swept.
-fn has_truth(
-    reading: &Reading,
-    judge: bool,
-    data: &Data,
-    sweep: Option<&Sweep>,
-) -> Result<(), SceneError> {
+fn has_truth(reading: &Reading, judge: bool, data: &Data, sweep: Option<&Sweep>) -> Result<()> {
     let reference = sweep.and_then(|sweep| sweep.reference);
     let truth = matches!(data, Data::Exact { .. }) || reference.is_some();
     let message =

@@ -8,7 +8,7 @@ use serde::de::{DeserializeOwned, IgnoredAny};
 use toml::Spanned;
 use toml::de::{DeValue, ValueDeserializer};
 
-use super::diagnostic::SceneError;
+use super::diagnostic::Result;
 use super::reading::{Reading, last};
 use super::spans::join;
 use super::wording::{missing_key, unknown_key, wrong_type};
@@ -29,7 +29,7 @@ impl Reading<'_> {
     ///
     /// # Errors
     /// A value of another type.
-    pub(super) fn optional<T: DeserializeOwned>(&self, key: &str) -> Result<Option<T>, SceneError> {
+    pub(super) fn optional<T: DeserializeOwned>(&self, key: &str) -> Result<Option<T>> {
         let read = |value: &Spanned<DeValue<'_>>| {
             T::deserialize(ValueDeserializer::from(value.clone()))
                 .map_err(|error| wrong_type(self.source, self.spans, &error))
@@ -41,57 +41,42 @@ impl Reading<'_> {
     ///
     /// # Errors
     /// No value, or one of another type.
-    pub(super) fn required<T: DeserializeOwned>(&self, key: &str) -> Result<T, SceneError> {
+    pub(super) fn required<T: DeserializeOwned>(&self, key: &str) -> Result<T> {
         self.optional(key)?.ok_or_else(|| missing_key(self, key))
     }
 
     /// The numbers of the entries of a list; none without the key.
-    pub(super) fn entries(&self, key: &str) -> Result<Range<usize>, SceneError> {
+    pub(super) fn entries(&self, key: &str) -> Result<Range<usize>> {
         let list: Vec<IgnoredAny> = self.optional(key)?.unwrap_or_default();
         Ok(0..list.len())
     }
 
     /// The numbers of the entries of a list that must have so many.
-    pub(super) fn entries_of(
-        &self,
-        key: &str,
-        count: usize,
-        hint: &str,
-    ) -> Result<Range<usize>, SceneError> {
+    pub(super) fn entries_of(&self, key: &str, count: usize, hint: &str) -> Result<Range<usize>> {
         let found = self.required::<Vec<IgnoredAny>>(key)?.len();
         let message = format!("`{}` has {found} entries, but {count} are expected", last(key));
         self.refuse_if(found != count, key, message, hint).map(|()| 0..count)
     }
 
     /// So many finite numbers.
-    pub(super) fn numbers(
-        &self,
-        key: &str,
-        count: usize,
-        hint: &str,
-    ) -> Result<Vec<f64>, SceneError> {
+    pub(super) fn numbers(&self, key: &str, count: usize, hint: &str) -> Result<Vec<f64>> {
         self.entries_of(key, count, hint)?.map(|i| self.finite(&format!("{key}.{i}"))).collect()
     }
 
     /// Two finite numbers.
-    pub(super) fn pair(&self, key: &str, hint: &str) -> Result<[f64; 2], SceneError> {
+    pub(super) fn pair(&self, key: &str, hint: &str) -> Result<[f64; 2]> {
         let numbers = self.numbers(key, 2, hint)?;
         Ok([numbers[0], numbers[1]])
     }
 
     /// A square matrix, row by row.
-    pub(super) fn matrix(
-        &self,
-        key: &str,
-        order: usize,
-        hint: &str,
-    ) -> Result<Vec<Vec<f64>>, SceneError> {
+    pub(super) fn matrix(&self, key: &str, order: usize, hint: &str) -> Result<Vec<Vec<f64>>> {
         let row = |i| self.numbers(&format!("{key}.{i}"), order, hint);
         self.entries_of(key, order, hint)?.map(row).collect()
     }
 
     /// Refuses a matrix that is not symmetric.
-    pub(super) fn symmetric(&self, key: &str, rows: &[Vec<f64>]) -> Result<(), SceneError> {
+    pub(super) fn symmetric(&self, key: &str, rows: &[Vec<f64>]) -> Result<()> {
         for (i, row) in rows.iter().enumerate() {
             if let Some(j) = (0..i).find(|&j| row[j] != rows[j][i]) {
                 let (above, below, i, j) = (rows[j][i], row[j], i + 1, j + 1);
@@ -105,7 +90,7 @@ impl Reading<'_> {
     }
 
     /// Refuses keys of a table, if it is there, other than the known ones; spaces separate them.
-    pub(super) fn keys(&self, table: &str, known: &str) -> Result<(), SceneError> {
+    pub(super) fn keys(&self, table: &str, known: &str) -> Result<()> {
         let given: BTreeMap<String, IgnoredAny> = match table {
             "" => self.table.keys().map(|key| (key.to_string(), IgnoredAny)).collect(),
             _ => self.optional(table)?.unwrap_or_default(),
@@ -118,7 +103,7 @@ impl Reading<'_> {
 
     /// The kind of a table, one of those known. Each comes with its keys, separated by spaces; keys of other kinds are
     /// refused.
-    pub(super) fn kind(&self, table: &str, kinds: Kinds) -> Result<&'static str, SceneError> {
+    pub(super) fn kind(&self, table: &str, kinds: Kinds) -> Result<&'static str> {
         self.keys(table, &of_any(kinds))?;
         let known: Vec<_> = kinds.iter().map(|(kind, _)| (*kind, *kind)).collect();
         let kind = self.choice(&join(table, "kind"), &known)?;
@@ -132,7 +117,7 @@ impl Reading<'_> {
         table: &str,
         (word, kind): (&str, &str),
         kinds: &[(&str, &str)],
-    ) -> Result<(), SceneError> {
+    ) -> Result<()> {
         let has = |keys: &str, key: &str| keys.split(' ').any(|known| known == key);
         let own = |key: &str| kinds.iter().any(|(name, keys)| *name == kind && has(keys, key));
         for (owner, keys) in kinds {

@@ -2,7 +2,7 @@
 
 use super::polygon::A_POINT;
 use super::{Domain, Shape};
-use crate::diagnostic::SceneError;
+use crate::diagnostic::Result;
 use crate::reading::Reading;
 use fem::mesh::{Family as MeshFamily, vertex_at};
 
@@ -13,7 +13,7 @@ const STEEPEST: f64 = 8.0;
 pub(crate) const MESHES: [(&str, &str); 3] =
     [("structured", ""), ("perturbed", "amplitude seed axes"), ("graded", "corner exponent")];
 
-pub(super) fn family(reading: &Reading, domain: &Domain) -> Result<MeshFamily, SceneError> {
+pub(super) fn family(reading: &Reading, domain: &Domain) -> Result<MeshFamily> {
     if !reading.has("domain.mesh") {
         return Ok(MeshFamily::Structured);
     }
@@ -30,7 +30,7 @@ pub(super) fn family(reading: &Reading, domain: &Domain) -> Result<MeshFamily, S
     }
 }
 
-fn perturbed(reading: &Reading, dimension: usize) -> Result<MeshFamily, SceneError> {
+fn perturbed(reading: &Reading, dimension: usize) -> Result<MeshFamily> {
     let hint = "it is a part of the mesh width; from 0.25 on a triangle may turn over";
     let range = ["is outside [0, 0.25)", hint];
     let fits = |amplitude| (0.0..0.25).contains(&amplitude);
@@ -41,7 +41,7 @@ fn perturbed(reading: &Reading, dimension: usize) -> Result<MeshFamily, SceneErr
 }
 
 /// The axes along which vertices move: by default all.
-fn axes(reading: &Reading, dimension: usize) -> Result<[bool; 3], SceneError> {
+fn axes(reading: &Reading, dimension: usize) -> Result<[bool; 3]> {
     let known = &[("x", 0), ("y", 1), ("z", 2)][..dimension];
     let mut moved = [!reading.has("domain.mesh.axes"); 3];
     for index in reading.entries("domain.mesh.axes")? {
@@ -50,7 +50,7 @@ fn axes(reading: &Reading, dimension: usize) -> Result<[bool; 3], SceneError> {
     Ok(moved)
 }
 
-fn graded(reading: &Reading, domain: &Domain) -> Result<MeshFamily, SceneError> {
+fn graded(reading: &Reading, domain: &Domain) -> Result<MeshFamily> {
     let key = "domain.mesh.corner";
     let corner = reading.pair(key, A_POINT)?;
     let fault = format!("is outside [1, {STEEPEST}]");

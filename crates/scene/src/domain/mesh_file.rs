@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use crate::diagnostic::SceneError;
+use crate::diagnostic::{Result, SceneError};
 use crate::reading::Reading;
 use crate::source::Source;
 use crate::spans::Spans;
@@ -14,11 +14,7 @@ use toml::de::DeTable;
 const LARGEST_FILE: u64 = 64 << 20;
 
 /// Adds the text of the mesh file that the domain names, unless present.
-pub(crate) fn with_mesh(
-    source: Source,
-    spans: &Spans,
-    table: &DeTable<'_>,
-) -> Result<Source, SceneError> {
+pub(crate) fn with_mesh(source: Source, spans: &Spans, table: &DeTable<'_>) -> Result<Source> {
     let word = |key| table.get("domain")?.get_ref().get(key)?.get_ref().as_str();
     let (Some("mesh"), Some(file), None) = (word("shape"), word("file"), &source.mesh) else {
         return Ok(source);
@@ -38,7 +34,7 @@ fn path_of(source: &Source, file: &str) -> PathBuf {
     source.path.parent().unwrap_or(Path::new("")).join(file)
 }
 
-pub(super) fn mesh_file(reading: &Reading, dimension: usize) -> Result<CoarseMesh, SceneError> {
+pub(super) fn mesh_file(reading: &Reading, dimension: usize) -> Result<CoarseMesh> {
     let path = path_of(reading.source, &reading.required::<String>("domain.file")?);
     let text = reading.source.mesh.as_deref().unwrap_or_default();
     let mesh = read_gmsh(text).map_err(|error| {

@@ -3,7 +3,7 @@
 use nalgebra::DMatrix;
 
 use super::{Domain, Face, Shape, place};
-use crate::diagnostic::SceneError;
+use crate::diagnostic::{Result, SceneError};
 use crate::reading::Reading;
 use fem::mesh::CoarseMesh;
 
@@ -16,7 +16,7 @@ const DEPENDENT: f64 = 1e-6;
 ///
 /// # Errors
 /// The first vertex of Γ3 off Γ1 with too many normals.
-pub(super) fn few_at_a_vertex(reading: &Reading, domain: &Domain) -> Result<(), SceneError> {
+pub(super) fn few_at_a_vertex(reading: &Reading, domain: &Domain) -> Result<()> {
     let Shape::Refined(coarse) = &domain.shape else { return Ok(()) };
     let on = |sides: &[super::Side], side: u32| sides.iter().any(|listed| listed.0 == side);
     let mut normals: Vec<Vec<[f64; 3]>> = vec![Vec::new(); coarse.vertices.len()];

@@ -1,12 +1,12 @@
 //! `shape = "polygon"`: vertices, named edges, and a coarse triangulation.
 
-use crate::diagnostic::SceneError;
+use crate::diagnostic::{Result, SceneError};
 use crate::reading::Reading;
 use serde::de::IgnoredAny;
 
 use fem::mesh::{CoarseMesh, PolygonError, triangulate};
 
-pub(super) fn polygon(reading: &Reading) -> Result<CoarseMesh, SceneError> {
+pub(super) fn polygon(reading: &Reading) -> Result<CoarseMesh> {
     let _: IgnoredAny = reading.required("domain.vertices")?;
     let boundary = &places(reading, "domain.vertices")?[..];
     measurable(reading, boundary)?;
@@ -34,7 +34,7 @@ pub(super) fn polygon(reading: &Reading) -> Result<CoarseMesh, SceneError> {
 /// Range in which areas of polygons and of all their cells are doubles.
 const EXTENTS: std::ops::RangeInclusive<f64> = 1e-150..=1e150;
 
-fn measurable(reading: &Reading, boundary: &[[f64; 2]]) -> Result<(), SceneError> {
+fn measurable(reading: &Reading, boundary: &[[f64; 2]]) -> Result<()> {
     let range = |axis: usize| {
         let ends = boundary.iter().fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], p| {
             [low.min(p[axis]), high.max(p[axis])]
@@ -49,14 +49,14 @@ fn measurable(reading: &Reading, boundary: &[[f64; 2]]) -> Result<(), SceneError
     reading.refuse_if(!known, "domain.vertices", message, hint)
 }
 
-fn places(reading: &Reading, key: &str) -> Result<Vec<[f64; 2]>, SceneError> {
+fn places(reading: &Reading, key: &str) -> Result<Vec<[f64; 2]>> {
     reading.entries(key)?.map(|i| reading.pair(&format!("{key}.{i}"), A_POINT)).collect()
 }
 
 pub(super) const A_POINT: &str = "a point of the plane has two numbers: write [x, y]";
 
 /// Triangles of the file, with checked vertex numbers.
-fn numbered(reading: &Reading, count: usize) -> Result<Vec<[u32; 3]>, SceneError> {
+fn numbered(reading: &Reading, count: usize) -> Result<Vec<[u32; 3]>> {
     let triangle = |t| {
         let key = format!("domain.triangles.{t}");
         reading.entries_of(&key, 3, "a triangle has three vertices: write [i, j, k]")?;
@@ -67,7 +67,7 @@ fn numbered(reading: &Reading, count: usize) -> Result<Vec<[u32; 3]>, SceneError
 }
 
 /// The number of one of the vertices.
-fn vertex(reading: &Reading, key: &str, count: usize) -> Result<u32, SceneError> {
+fn vertex(reading: &Reading, key: &str, count: usize) -> Result<u32> {
     let value: i64 = reading.required(key)?;
     let known = u32::try_from(value).ok().filter(|&v| (v as usize) < count);
     let message = format!("there is no vertex {value}: {count} are numbered from 0");
@@ -75,7 +75,7 @@ fn vertex(reading: &Reading, key: &str, count: usize) -> Result<u32, SceneError>
 }
 
 /// Names of the sides in order of appearance, and the side of each edge.
-fn names(reading: &Reading, count: usize) -> Result<(Vec<String>, Vec<u32>), SceneError> {
+fn names(reading: &Reading, count: usize) -> Result<(Vec<String>, Vec<u32>)> {
     let names: Option<Vec<String>> = reading.optional("domain.sides")?;
     let names = names.unwrap_or_else(|| (1..=count).map(|i| format!("s{i}")).collect());
     let message = format!("{} names for {count} edges", names.len());

@@ -1,7 +1,7 @@
 //! `[domain] shape`: its keys and its meaning.
 
 use super::{Shape, mesh_file, polygon, side};
-use crate::diagnostic::SceneError;
+use crate::diagnostic::Result;
 use crate::reading::Reading;
 
 type Parts = (Shape, Vec<f64>, Vec<String>);
@@ -14,7 +14,7 @@ const SHAPES: [(&str, &str); 4] = [
     ("mesh", "file"),
 ];
 
-pub(super) fn shape(reading: &Reading, dimension: usize) -> Result<Parts, SceneError> {
+pub(super) fn shape(reading: &Reading, dimension: usize) -> Result<Parts> {
     let known: &[(&str, &str)] = match dimension {
         3 => &[("box", "box"), ("mesh", "mesh")],
         _ => &[("rectangle", "rectangle"), ("polygon", "polygon"), ("mesh", "mesh")],

@@ -3,7 +3,7 @@
 
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
 
-use super::SetupError;
+use super::Result;
 use super::kernel_bounds::{KernelBounds, KernelNorms};
 use crate::singular::in_the_largest;
 use crate::{AbstractScene, Law, Scene};
@@ -84,7 +84,7 @@ pub(crate) fn abstract_constants(
     scene: &Scene,
     problem: &AbstractScene,
     model: &FiniteModel,
-) -> Result<AbstractConstants, SetupError> {
+) -> Result<AbstractConstants> {
     let gram = SymmetricEigen::new(model.inner_product.clone());
     let least = gram.eigenvalues.min();
     let message = format!("the inner product has the eigenvalue {least:.3e}: not positive");
@@ -115,7 +115,7 @@ pub(crate) fn abstract_constants(
             scene.refuse_if(!known, &format!("{key}.{i}"), message, hint)?;
             Ok([slopes.low, slopes.high])
         });
-        each.collect::<Result<Vec<[f64; 2]>, SetupError>>()
+        each.collect::<Result<Vec<[f64; 2]>>>()
     };
     let nonlinear = slopes("operator.nonlinear", &problem.nonlinear, Variable::X)?;
     let by_r = slopes("phi.force", &problem.force, Variable::X)?;

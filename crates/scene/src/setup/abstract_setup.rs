@@ -7,7 +7,7 @@ use nalgebra::{DMatrix, DVector};
 
 use super::abstract_constants::{AbstractConstants, abstract_constants};
 use super::regularity::abstract_claims;
-use super::{SetupError, potential};
+use super::{Result, potential};
 use crate::{AbstractScene, Body, Hypothesis, Scene};
 use algebra::linalg::larger;
 use exact::{ByTime, FiniteData, FiniteExact, FiniteState, FiniteTrace};
@@ -37,7 +37,7 @@ impl AbstractSetup {
     ///
     /// # Errors
     /// The first violated condition, at its key in the scene.
-    pub fn new(scene: Scene) -> Result<Self, SetupError> {
+    pub fn new(scene: Scene) -> Result<Self> {
         let Body::Abstract(problem) = scene.body.clone() else {
             let message = "a body in contact is no abstract problem";
             let hint = "this command needs a scene with kind = \"abstract\"";
@@ -101,7 +101,7 @@ impl AbstractSetup {
     }
 
     /// l ≤ a·u ≤ g, λ on the bound only and of its sign, ξ ∈ ∂j(a·u); m0 > 0.
-    fn admissible(&self) -> Result<(), SetupError> {
+    fn admissible(&self) -> Result<()> {
         let c = &self.constants;
         let message = format!(
             "the smallness condition (2.9) fails: m0 = m_A - alpha_phi - alpha_j c_j^2 = {} - {} - {} * {} = {}",
@@ -130,7 +130,7 @@ impl AbstractSetup {
         abstract_claims(self)
     }
 
-    fn contact_state(&self, t: f64, sizes: &[[f64; 2]]) -> Result<(), SetupError> {
+    fn contact_state(&self, t: f64, sizes: &[[f64; 2]]) -> Result<()> {
         let state = self.state(t);
         if let Some(value) = state.load.iter().find(|value| !value.is_finite()) {
             let message =

@@ -2,7 +2,7 @@
 
 use super::memory_norms::{MemoryNorms, plain_norms, singular_norms};
 use super::trace_constant::{TraceConstant, trace_constant};
-use super::{Setup, SetupError, elasticity};
+use super::{Result, Setup, elasticity};
 use fem::contact::TracePart;
 use vhi::history::TimeRule;
 use vhi::law::TensorField;
@@ -215,7 +215,7 @@ impl Constants {
 ///
 /// # Errors
 /// A stiffness matrix that cannot be factorized.
-pub fn constants(setup: &Setup) -> Result<Constants, SetupError> {
+pub fn constants(setup: &Setup) -> Result<Constants> {
     let tangential = match setup.model.friction {
         None => TraceConstant::ZERO,
         Some(_) => of_domain(setup, TracePart::Tangential)?,
@@ -227,7 +227,7 @@ pub fn constants(setup: &Setup) -> Result<Constants, SetupError> {
 ///
 /// # Errors
 /// As [`constants`].
-pub fn step_bounds(setup: &Setup) -> Result<StepBounds, SetupError> {
+pub fn step_bounds(setup: &Setup) -> Result<StepBounds> {
     Ok(needed(setup)?.step_bounds(setup.model.time_rule.as_ref()))
 }
 
@@ -235,12 +235,12 @@ pub fn step_bounds(setup: &Setup) -> Result<StepBounds, SetupError> {
 ///
 /// # Errors
 /// As [`constants`].
-pub(super) fn needed(setup: &Setup) -> Result<Constants, SetupError> {
+pub(super) fn needed(setup: &Setup) -> Result<Constants> {
     with_needed(setup, |part| of_domain(setup, part))
 }
 
 /// c_j² or c_τ², without contact 0.
-fn of_domain(setup: &Setup, part: TracePart) -> Result<TraceConstant, SetupError> {
+fn of_domain(setup: &Setup, part: TracePart) -> Result<TraceConstant> {
     let domain = &setup.body.domain;
     if domain.contact.is_empty() {
         return Ok(TraceConstant::ZERO);
@@ -252,8 +252,8 @@ fn of_domain(setup: &Setup, part: TracePart) -> Result<TraceConstant, SetupError
 /// The constants with c_j² and c_τ², each computed only if a law on Γ3 takes from the monotonicity by it.
 pub(super) fn with_needed(
     setup: &Setup,
-    constant: impl Fn(TracePart) -> Result<TraceConstant, SetupError>,
-) -> Result<Constants, SetupError> {
+    constant: impl Fn(TracePart) -> Result<TraceConstant>,
+) -> Result<Constants> {
     let follows = coulomb(setup).is_some();
     let falls = setup.body.friction().is_some_and(|friction| friction.alpha() > 0.0);
     let needed = |part, is_needed| if is_needed { constant(part) } else { Ok(TraceConstant::ZERO) };

@@ -1,7 +1,7 @@
 //! Bound of the contraction factor of the decomposition of Remark 3, from the scene's constants.
 
 use super::constants::with_needed;
-use super::{AbstractSetup, Setup, SetupError, TraceConstant};
+use super::{AbstractSetup, Result, Setup, SetupError, TraceConstant};
 use fem::contact::{Discretization, TraceMass, trace_constants};
 use vhi::law::TensorField;
 
@@ -17,7 +17,7 @@ pub fn decomposition_bound(
     space: &Discretization,
     n: u32,
     steps: u32,
-) -> Result<f64, SetupError> {
+) -> Result<f64> {
     let constants = with_needed(setup, |part| {
         trace_constants(space, &TensorField::identity(), [(part, TraceMass::Lumped)])
             .map(|[found]| TraceConstant::exactly(found.value))

@@ -5,7 +5,7 @@ use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
 use super::load_check;
 use super::rule_check::{RuleCheck, check_times, rule_check};
-use super::{GivenLoad, ReferenceTruth, Setup, SetupError};
+use super::{GivenLoad, ReferenceTruth, Result, Setup, SetupError};
 use crate::{Data, Side};
 use exact::{Exact, ExactOnMesh, InterpolatedOnMesh, Truth};
 use fem::contact::{
@@ -47,11 +47,7 @@ impl MeshData {
     ///
     /// # Errors
     /// A cell that the boundary of a region cuts.
-    pub fn new(
-        setup: &Setup,
-        n: u32,
-        reference: Option<Arc<ReferenceRun>>,
-    ) -> Result<Self, SetupError> {
+    pub fn new(setup: &Setup, n: u32, reference: Option<Arc<ReferenceRun>>) -> Result<Self> {
         let rules = TruthRules::for_element(setup.body.element, setup.scene.dimension);
         let mut data = Self::with_rules(setup, n, reference, &rules)?;
         data.by_scene_rules = Some(data.truth.clone());
@@ -67,7 +63,7 @@ impl MeshData {
         n: u32,
         reference: Option<Arc<ReferenceRun>>,
         rules: &TruthRules,
-    ) -> Result<Self, SetupError> {
+    ) -> Result<Self> {
         let space = setup.space(n)?;
         let truth = truth(setup, setup.exact.as_ref(), &space, reference, rules)?;
         Ok(Self::with_truth(space, truth))
@@ -188,7 +184,7 @@ fn truth(
     space: &Arc<Discretization>,
     reference: Option<Arc<ReferenceRun>>,
     rules: &TruthRules,
-) -> Result<Arc<dyn Truth>, SetupError> {
+) -> Result<Arc<dyn Truth>> {
     Ok(match (&setup.body.data, exact) {
         (Data::Exact { interpolated: true, .. }, Some(exact)) => {
             Arc::new(InterpolatedOnMesh::new(exact.clone(), space.clone(), setup.compliance_rule()))
@@ -217,12 +213,7 @@ pub fn side_numbers(sides: &[Side]) -> Vec<u32> {
 ///
 /// # Errors
 /// The solver's, and those of the mesh.
-pub fn reference_run(
-    setup: &Setup,
-    n: u32,
-    steps: u32,
-    keep_every: u32,
-) -> Result<ReferenceRun, SetupError> {
+pub fn reference_run(setup: &Setup, n: u32, steps: u32, keep_every: u32) -> Result<ReferenceRun> {
     let data = MeshData::new(setup, n, None)?;
     let mut run = ReferenceRun::new(data.space.clone());
     setup.scheme.march(setup, &data, steps, &mut |view| {

@@ -55,6 +55,9 @@ use vhi::finite::FiniteError;
 use vhi::history::{FastConvolution, TimeGrid};
 use vhi::law::{AnyProjection, Summed, VonMises};
 
+/// What is made of a scene.
+pub type Result<T, E = SetupError> = std::result::Result<T, E>;
+
 /// Why a scene could not be set up or run.
 #[derive(Debug, thiserror::Error)]
 pub enum SetupError {
@@ -91,7 +94,7 @@ impl Setup {
     ///
     /// # Errors
     /// Those of [`admissible`]; κ without a Lipschitz constant.
-    pub fn new(scene: Scene) -> Result<Self, SetupError> {
+    pub fn new(scene: Scene) -> Result<Self> {
         let Body::Contact(body) = &scene.body else {
             let message = "an abstract problem has no body, mesh or contact";
             let hint =
@@ -114,15 +117,11 @@ impl Setup {
     ///
     /// # Errors
     /// A cell that the boundary of a region cuts.
-    pub fn space(&self, n: u32) -> Result<Arc<Discretization>, SetupError> {
+    pub fn space(&self, n: u32) -> Result<Arc<Discretization>> {
         self.with_regions(self.space_of(self.body.element, n), n)
     }
 
-    fn with_regions(
-        &self,
-        mut space: Discretization,
-        n: u32,
-    ) -> Result<Arc<Discretization>, SetupError> {
+    fn with_regions(&self, mut space: Discretization, n: u32) -> Result<Arc<Discretization>> {
         let material = &self.body.material;
         space.regions = material::cell_regions(&self.scene, material, &space.mesh, n)?;
         Ok(Arc::new(space))

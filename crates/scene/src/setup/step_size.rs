@@ -1,7 +1,7 @@
 //! Step sizes against (3.4): refusals and remarks.
 
 use super::constants::{Constants, Smallness, needed, step_bounds};
-use super::{SetupError, Subject};
+use super::{Result, SetupError, Subject};
 use crate::Hypothesis;
 use files::digits;
 use vhi::{StepBounds, StepPlace};
@@ -22,7 +22,7 @@ pub struct StepRemark {
 ///
 /// # Errors
 /// As [`step_bounds`].
-pub fn subject_bounds(subject: &Subject) -> Result<StepBounds, SetupError> {
+pub fn subject_bounds(subject: &Subject) -> Result<StepBounds> {
     match subject {
         Subject::Contact(setup) => step_bounds(setup),
         Subject::Abstract(setup) => Ok(setup.constants.step_bounds(setup.model.time_rule.as_ref())),
@@ -35,10 +35,7 @@ pub fn subject_bounds(subject: &Subject) -> Result<StepBounds, SetupError> {
 /// # Errors
 /// A step size at or beyond the latter, unless the scene says `violates = ["3.4"]`, or violates (2.9) or
 /// (5.1), without which there is no bound.
-pub fn check_step_sizes(
-    subject: &Subject,
-    steps: &[u32],
-) -> Result<Option<StepRemark>, SetupError> {
+pub fn check_step_sizes(subject: &Subject, steps: &[u32]) -> Result<Option<StepRemark>> {
     let scene = subject.scene();
     scene.check_steps(steps)?;
     let violates = |hypothesis| scene.violates.contains(&hypothesis);

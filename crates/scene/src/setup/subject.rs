@@ -1,6 +1,6 @@
 //! A computable scene of either kind.
 
-use super::{AbstractSetup, Setup, SetupError};
+use super::{AbstractSetup, Result, Setup};
 use crate::Scene;
 use vhi::history::TimeGrid;
 
@@ -17,7 +17,7 @@ impl Subject {
     ///
     /// # Errors
     /// The first violated condition, at its key in the scene.
-    pub fn new(scene: Scene) -> Result<Self, SetupError> {
+    pub fn new(scene: Scene) -> Result<Self> {
         match scene.as_contact() {
             Some(_) => Ok(Self::Contact(Box::new(Setup::new(scene)?))),
             None => Ok(Self::Abstract(Box::new(AbstractSetup::new(scene)?))),
