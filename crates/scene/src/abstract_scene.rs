@@ -12,11 +12,10 @@ use serde::de::IgnoredAny;
 use formula::{EvaluationPoint, Node, Variable};
 
 use super::definitions::definitions;
-use super::diagnostic::Result;
 use super::law::Law;
-use super::reading::{Reading, evenly};
-use super::singular;
-use super::spans::join;
+use super::memory::{singular_exponent, singular_way_out};
+use super::reading::{Reading, evenly, join};
+use super::source::Result;
 
 /// One kernel with its matrix: q_l(t, s) Q_l.
 pub use exact::KernelFormulas as AbstractKernel;
@@ -137,9 +136,9 @@ fn kernels(reading: &mut Reading, horizon: f64, m: usize) -> Result<Vec<Abstract
         let ends = evenly(0.0, horizon, ENDS).skip(1);
         let ends = ends.map(|t| EvaluationPoint { x: t, t, ..EvaluationPoint::default() });
         reading.everywhere((&of_q, q), ends, f64::is_finite, |at, value| {
-            (format!("q(t, s) is {value} at s = t = {}", at.t), singular::way_out("q"))
+            (format!("q(t, s) is {value} at s = t = {}", at.t), singular_way_out("q"))
         })?;
-        let power = singular::exponent(reading, &key)?;
+        let power = singular_exponent(reading, &key)?;
         kernels.push(AbstractKernel { q, power, matrix });
     }
     Ok(kernels)

@@ -7,11 +7,10 @@ use formula::{Node, Scope, Variable};
 
 use super::contact::Contact;
 use super::definitions::definitions;
-use super::diagnostic::Result;
 use super::domain::{Domain, Side, place};
-use super::reading::{Reading, in_time};
+use super::reading::{Formula, Reading, in_time};
+use super::source::Result;
 use super::time::Time;
-use super::values::Formula;
 
 pub(super) const AXES: [Variable; 3] = [Variable::X, Variable::Y, Variable::Z];
 

@@ -4,9 +4,8 @@ use std::collections::BTreeMap;
 
 use formula::{Graph, Node, Scope};
 
-use super::diagnostic::{Result, SceneError};
-use super::reading::Reading;
-use super::values::Formula;
+use super::reading::{Formula, Reading};
+use super::source::{Result, SceneError};
 
 /// The named constants; each may use earlier ones.
 pub(super) fn parameters(reading: &mut Reading) -> Result<Vec<(String, Node)>> {

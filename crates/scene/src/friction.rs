@@ -5,10 +5,10 @@ use exact::FrictionBound;
 use fem::contact::BoundaryRule as ContactQuadrature;
 use formula::{EvaluationPoint, Node};
 
-use super::diagnostic::Result;
 use super::domain::{Domain, Face, place};
 use super::law::Law;
 use super::reading::{Reading, in_time};
+use super::source::Result;
 use super::time::Time;
 
 /// Intervals of a side in the plane and in space, and of [0, T], at whose ends the bound is examined.

@@ -5,11 +5,11 @@ use std::collections::BTreeMap;
 use formula::{EvaluationPoint, Node};
 
 use super::data::AXES;
-use super::diagnostic::SceneError;
 use super::domain::{Domain, Face, place};
-use super::heading::Hypothesis;
+use super::reading::Formula;
 use super::reading::{Reading, last};
-use super::values::Formula;
+use super::source::SceneError;
+use super::validated::Hypothesis;
 use files::digits;
 
 /// Intervals of a side at whose ends the gap is examined.

@@ -1,7 +1,7 @@
 //! `[time]`: the horizon, the family of grids, and all that is said of a rule beside its weights.
 
-use super::diagnostic::Result;
 use super::reading::Reading;
+use super::source::Result;
 use vhi::history::{
     self, CorrectedEnd, Gregory, GregoryOrder, GridError, Left, ProductIntegration, Trapezoid,
 };

@@ -1,48 +1,34 @@
 //! A validated scene made computable: the model with its laws, spaces and exact solution.
 
-mod abstract_constants;
 mod abstract_setup;
 mod admissible;
 mod constants;
-mod contraction;
 mod formulas;
-mod given_load;
-mod kernel_bounds;
 mod laws;
 mod load_check;
 mod material;
-mod memory_norms;
 mod mesh_data;
 mod regularity;
-mod rule_check;
-mod scheme;
-mod step_size;
 mod subject;
 mod trace_constant;
 mod yield_slope;
 
 use std::sync::Arc;
 
-pub use abstract_constants::AbstractConstants;
-pub use abstract_setup::{AbstractLoad, AbstractRun, AbstractSetup};
+pub use abstract_setup::{AbstractConstants, AbstractLoad, AbstractRun, AbstractSetup};
 pub use admissible::admissible;
 pub use constants::{
-    Constants, Coulomb, RegionSlot, Smallness, constants, step_bounds, with_trace_constants,
+    Constants, Coulomb, MemoryNorms, RegionSlot, Smallness, abstract_decomposition_bound,
+    constants, decomposition_bound, step_bounds, with_trace_constants,
 };
-pub use contraction::{abstract_decomposition_bound, decomposition_bound};
 pub(crate) use formulas::KernelFormula;
 pub use formulas::YieldFormula;
 use formulas::on_contact;
-pub(crate) use given_load::{GivenLoad, ReferenceTruth};
 use laws::potential;
 pub use material::{cell_regions, elasticity, memory_tensor};
-pub use memory_norms::MemoryNorms;
-pub use mesh_data::{MeshData, TruthLoad, reference_run, side_numbers};
+pub use mesh_data::{MeshData, RuleCheck, TruthLoad, reference_run, side_numbers};
 pub use regularity::{abstract_regularity, sides};
-pub use rule_check::RuleCheck;
-pub use scheme::{NewtonMarch, Scheme};
-pub use step_size::{StepRemark, check_step_sizes, subject_bounds};
-pub use subject::Subject;
+pub use subject::{NewtonMarch, Scheme, StepRemark, Subject, check_step_sizes, subject_bounds};
 pub use trace_constant::{TraceConstant, trace_cells, trace_constant};
 pub use yield_slope::{YieldSlope, ZetaFrom};
 

@@ -11,8 +11,7 @@
 
 use formula::{Interval, Variable};
 
-use super::constants::{Constants, constants};
-use super::memory_norms::Memory;
+use super::constants::{Constants, Memory, constants};
 use super::{MeshData, Result, Setup, SetupError};
 use crate::{Face, Hypothesis};
 use algebra::linalg::{dot, larger};
