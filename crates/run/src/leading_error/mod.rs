@@ -13,41 +13,31 @@
 //! like (t-s)^a, kinks and jumps.
 //!
 //! Independence: only numbers and formulas of the scene, the manufactured side's stress and linear algebra are used.
-//! Histories are integrated anew (`adaptive`), so that wrong histories of the exact solution show. The solver's model,
+//! Histories are integrated anew (`sums`), so that wrong histories of the exact solution show. The solver's model,
 //! laws, time weights, assembly and march are not used, so that mistakes in them do not move the prediction;
 //! `tests/commands/house.rs` lists what is shared.
 
-mod adaptive;
+use algebra::linalg::FactorError;
+use exact::Exact;
+use fem::contact::{Discretization, LoadError};
+use fem::space::Element;
+use in_space::Largest;
+pub use interpolation::{InterpolationError, interpolation_constant};
+pub use judge::verdict::MeshAndSteps as Case;
+use judge::verdict::{LeadingLine, LeadingPoint};
+use scene::setup::{AbstractSetup, Setup, Subject};
+use scene::{Direction, Hypothesis, MeshFamily, Norm};
+use std::sync::Arc;
+use sums::{largest_step, times};
+
 mod cells;
 mod contact_answers;
-mod error;
 mod finite;
 mod in_space;
 mod interpolation;
-mod interpolation_stress;
-mod law_slope;
-mod low_rank;
-mod measures;
-mod own_history;
-mod quadratic;
 mod sums;
-mod tangent;
-mod time;
 
-pub use error::NoConstant;
-pub use interpolation::{InterpolationError, interpolation_constant};
 /// A case of a scene whose errors are predicted.
-pub use judge::verdict::MeshAndSteps as Case;
-
-use std::sync::Arc;
-
-use exact::Exact;
-use fem::contact::Discretization;
-use fem::space::Element;
-use judge::verdict::{LeadingLine, LeadingPoint};
-use measures::Largest;
-use scene::setup::{AbstractSetup, Setup, Subject};
-use scene::{Direction, Hypothesis, MeshFamily, Norm};
 
 /// The linearisation error is the size of the error over that of the solution: 1e-5 on the finest steps of the shipped
 /// scenes, with a safety factor 10. If a contact state changes within the error the share does not fall with k, and the
@@ -133,9 +123,9 @@ fn of_abstract(
     cases: &[Case],
 ) -> Result<LeadingLine, NoConstant> {
     let points = of_few_steps(cases, MOST_STEPS).map(|&Case { n, steps }| {
-        let times = time::times(&setup.scene.time, steps);
+        let times = times(&setup.scene.time, steps);
         let error = finite::largest_error(setup, norm, &times)?;
-        Ok(LeadingPoint { n, steps, h: None, k: time::largest_step(&times), error })
+        Ok(LeadingPoint { n, steps, h: None, k: largest_step(&times), error })
     });
     let points = points.collect::<Result<_, NoConstant>>()?;
     Ok(LeadingLine { points, limit: None, tolerance: IN_TIME })
@@ -248,8 +238,8 @@ fn time_errors<const S: usize>(
         return Err(NoConstant::NotInSpace);
     }
     let error = |&case: &Case| {
-        let times = time::times(&setup.scene.time, case.steps);
-        Ok((case, time::largest_step(&times), body.largest_errors(&times)?))
+        let times = times(&setup.scene.time, case.steps);
+        Ok((case, largest_step(&times), body.largest_errors(&times)?))
     };
     of_few_steps(cases, body.most_steps()).map(error).collect()
 }
@@ -258,6 +248,50 @@ fn time_errors<const S: usize>(
 fn of_few_steps(cases: &[Case], most: u32) -> impl Iterator<Item = &Case> {
     let fewest = cases.iter().map(|case| case.steps).min().unwrap_or(0);
     cases.iter().filter(move |case| case.steps <= most.max(fewest))
+}
+
+//
+
+/// Why a scene, norm or direction has no predicted constant.
+#[derive(Debug, thiserror::Error)]
+pub enum NoConstant {
+    #[error("the scene says constant = false")]
+    OptedOut,
+    #[error("no exact solution: a reference run knows no constant beforehand")]
+    NoExact,
+    /// There is no prediction for this norm.
+    #[error("{norm} has no predicted constant: it is no norm of a leading error")]
+    Norm { norm: &'static str },
+    #[error("{norm} has no predicted constant in h: V_max and stress_L2_max have one")]
+    InSpace { norm: &'static str },
+    #[error("both steps are refined: constants are predicted along h alone and along k alone")]
+    Joint,
+    /// Only P1 interpolants and tangents are implemented.
+    #[error("{element} has a predicted constant in h for V_max alone")]
+    Element { element: &'static str },
+    #[error(
+        "{element} has no predicted constant in h: interpolants of a degree above 2 are not superclose"
+    )]
+    Degree { element: &'static str },
+    /// I_h u is not superclose on this mesh.
+    #[error("the mesh is no grid of translated simplices, so the interpolant is not superclose")]
+    Mesh,
+    /// u is not in H², or U^h is not in U.
+    #[error("a hypothesis of (5.26) is violated: the interpolation error is not the whole error")]
+    Regularity,
+    #[error("u(t) is not in V^h: the error holds space error as well")]
+    NotInSpace,
+    /// The rule's weights depend on the kernel.
+    #[error("the time rule weighs the kernel in a way of its own")]
+    Rule,
+    #[error("the linearised problem is singular at t = {t}")]
+    Singular { t: f64 },
+    #[error(transparent)]
+    Load(#[from] LoadError),
+    #[error(transparent)]
+    Factor(#[from] FactorError),
+    #[error("{0}")]
+    Setup(String),
 }
 
 #[cfg(test)]

@@ -8,10 +8,9 @@
 
 use super::super::norms::{DualNorm, remembered, stress_norm};
 use super::recurrence::{
-    Estimate, GivenLoads, GronwallError, InTime, Known, Levels, NO_HISTORY, OWN_WEIGHTS, Result,
-    Terms, named, refused, smallness,
+    Estimate, GivenLoads, GronwallError, HistoryPart, InTime, KernelNorms, Known, Levels,
+    NO_HISTORY, OWN_WEIGHTS, Result, Terms, Weights, named, refused, smallness,
 };
-use super::recurrence::{HistoryPart, KernelNorms, Weights};
 use exact::InterpolatedOnMesh;
 use fem::contact::{
     Load, LoadError, MemoryTerm, Model, StepView, kkt_residual, march, strain_distance, strain_norm,

@@ -10,8 +10,7 @@
 //! truncation, and e_0 > 0 allowed. ‖·‖_* is dual to ‖·‖_X; for a body ‖v‖_V = ‖ε(v)‖_ℋ.
 
 use super::recurrence::{Envelopes, Estimate, GronwallError, InTime, Result};
-use super::scenes::FiniteInTime;
-use super::scenes::{ContactInTime, REFERENCE_STEPS};
+use super::scenes::{ContactInTime, FiniteInTime, REFERENCE_STEPS};
 use crate::study::{Asked, Sizes, Study, StudyError};
 use algebra::linalg::{largest, signed_unit};
 use fem::contact::Discretization;
