@@ -765,7 +765,7 @@ fn closeness(name: &str, candidate: &str) -> Option<usize> {
 }
 
 #[cfg(test)]
-mod of_nearest {
+mod tests {
     use super::nearest;
 
     #[test]

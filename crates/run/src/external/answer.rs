@@ -308,7 +308,7 @@ pub struct Wanted {
 }
 
 #[cfg(test)]
-mod of_npy {
+mod tests {
     use super::*;
 
     /// As `numpy.save` writes numpy.arange(6.0).reshape(1, 3, 2), byte for byte.

@@ -3,7 +3,7 @@
 use nalgebra::{DMatrix, DVector};
 
 use super::NoConstant;
-use super::contact_answers::{Answer, answer};
+use super::cells::{Answer, answer};
 use super::sums::{Kernel, Sums, Weights};
 use algebra::linalg::axpy;
 use exact::{LawNumbers, sign_changes};

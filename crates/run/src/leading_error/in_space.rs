@@ -2,13 +2,11 @@
 
 use super::NoConstant;
 use super::cells::{
-    Mandel, add_force, add_stiffness, inner, product, strains, stress_along, stress_of,
+    Answer, Mandel, add_force, add_stiffness, inner, product, strains, stress_along, stress_of,
 };
-use super::contact_answers::Answer;
 use super::interpolation::InterpolationError;
 use super::sums::{Kernel, OwnHistory, Sums, Weights};
 use algebra::linalg::{Front, axpy, dot, larger};
-use exact::constitutive::Tensor;
 use exact::{ComplianceRule, Exact, InterpolatedOnMesh, Sliding};
 use fem::contact::Discretization;
 use fem::space::{Simplex, StrainPoint};
@@ -438,13 +436,8 @@ fn on_the_contact_side(space: &Discretization, values: &[f64]) -> f64 {
     space.trace.measure.iter().enumerate().map(facet).sum::<f64>().sqrt()
 }
 
-/// |σ - τ|².
-pub(super) fn square_apart<const D: usize>(a: &Tensor<D>, b: &Tensor<D>) -> f64 {
-    a.as_flattened().iter().zip(b.as_flattened()).map(|(a, b)| (a - b).powi(2)).sum()
-}
-
 #[cfg(test)]
-mod of_measures {
+mod tests {
     use super::*;
     use fem::mesh::{Family, lattice};
 

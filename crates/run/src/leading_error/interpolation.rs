@@ -1,7 +1,7 @@
 //! The space error: ‖ε(u - I_h u)‖ on a mesh, and its limit over h from the second derivatives of u.
 
 use super::NoConstant;
-use super::in_space::square_apart;
+use super::cells::square_apart;
 use super::sums::{largest_step, nodal, points_of_cells, points_of_nodes, times};
 use algebra::in_dimension;
 use exact::constitutive::{Tensor, full, stress};
@@ -327,7 +327,7 @@ fn form<const D: usize>(matrix: &[[f64; D]; D], v: &[f64; D]) -> f64 {
 }
 
 #[cfg(test)]
-mod of_quadratic {
+mod tests {
     use super::*;
 
     /// By hand on the triangle (0,0), (1,0), (1,1) for u = (x²/2, 0): ∇(q - Iq) = (x - ½, 0), whose square has the mean

@@ -595,155 +595,160 @@ pub(super) fn nodal(bound: &mut BoundProgram, space: &Discretization, t: f64) ->
 
 #[cfg(test)]
 mod tests {
-    use super::*;
-    use formula::Scope;
-    use scene::TimeRule;
+    mod sums {
+        use super::super::*;
+        use formula::Scope;
+        use scene::TimeRule;
 
-    const FOUR: TimeRule = TimeRule::Gregory { order: 4 };
+        const FOUR: TimeRule = TimeRule::Gregory { order: 4 };
 
-    /// Sums of all kinds against the definition, on a grid of very different steps.
-    #[test]
-    fn sums_are_those_of_the_definition() {
-        let times = [0.0, 0.02, 0.5, 0.6, 0.61, 1.3];
-        type Plain = fn(f64) -> f64;
-        let kernels: [(&str, Plain, bool); 4] = [
-            ("-exp(-t)", |t| -(-t).exp(), false),
-            (
-                "0.3 + 2*exp(-3*t) - exp(0.5*t)",
-                |t| 0.3 + 2.0 * (-3.0 * t).exp() - (0.5 * t).exp(),
-                false,
-            ),
-            ("1/(1 + t)^1.5", |t| (1.0 + t).powf(-1.5), true),
-            ("sqrt(t)", f64::sqrt, true),
-        ];
-        let mut graph = Graph::new();
-        let scope = Scope::new(&[Variable::T]);
-        let prepared: Vec<Kernel> = kernels
-            .iter()
-            .map(|(text, _, direct)| {
-                let node = graph.parse(text, &scope).unwrap();
-                let kernel = Kernel::of_lag(&mut graph, 0.0, node, 1.3);
-                assert_eq!(kernel.is_direct(), *direct, "{text}");
-                kernel
-            })
-            .collect();
-        let vectors = |t: f64| [vec![1.0 - t, (3.0 * t).sin()], vec![t * t, 2.0]];
-        for rule in [Weights::Trapezoid, Weights::Left, Weights::of(FOUR).unwrap()] {
-            let mut sums = Sums::new(vec![rule; 4], &prepared, &times, 2);
-            for n in 0..times.len() {
-                for (i, (text, b, _)) in kernels.iter().enumerate() {
-                    let current = rule.at(&times, n, n) * b(0.0);
-                    assert!((sums.current_weight(i) - current).abs() < 1e-15, "{text}: {current}");
-                    let before = sums.before(i);
-                    for (which, part) in [(0, 0), (0, 1), (1, 0), (1, 1)] {
-                        let term = |j: usize| {
-                            let w = rule.at(&times, n, j) * b(times[n] - times[j]);
-                            w * vectors(times[j])[which][part]
-                        };
-                        let plain: f64 = (0..n).map(term).sum();
-                        // Sums of size one.
-                        assert!((before[which][part] - plain).abs() < 1e-14, "{text}: {plain}");
+        /// Sums of all kinds against the definition, on a grid of very different steps.
+        #[test]
+        fn sums_are_those_of_the_definition() {
+            let times = [0.0, 0.02, 0.5, 0.6, 0.61, 1.3];
+            type Plain = fn(f64) -> f64;
+            let kernels: [(&str, Plain, bool); 4] = [
+                ("-exp(-t)", |t| -(-t).exp(), false),
+                (
+                    "0.3 + 2*exp(-3*t) - exp(0.5*t)",
+                    |t| 0.3 + 2.0 * (-3.0 * t).exp() - (0.5 * t).exp(),
+                    false,
+                ),
+                ("1/(1 + t)^1.5", |t| (1.0 + t).powf(-1.5), true),
+                ("sqrt(t)", f64::sqrt, true),
+            ];
+            let mut graph = Graph::new();
+            let scope = Scope::new(&[Variable::T]);
+            let prepared: Vec<Kernel> = kernels
+                .iter()
+                .map(|(text, _, direct)| {
+                    let node = graph.parse(text, &scope).unwrap();
+                    let kernel = Kernel::of_lag(&mut graph, 0.0, node, 1.3);
+                    assert_eq!(kernel.is_direct(), *direct, "{text}");
+                    kernel
+                })
+                .collect();
+            let vectors = |t: f64| [vec![1.0 - t, (3.0 * t).sin()], vec![t * t, 2.0]];
+            for rule in [Weights::Trapezoid, Weights::Left, Weights::of(FOUR).unwrap()] {
+                let mut sums = Sums::new(vec![rule; 4], &prepared, &times, 2);
+                for n in 0..times.len() {
+                    for (i, (text, b, _)) in kernels.iter().enumerate() {
+                        let current = rule.at(&times, n, n) * b(0.0);
+                        assert!(
+                            (sums.current_weight(i) - current).abs() < 1e-15,
+                            "{text}: {current}"
+                        );
+                        let before = sums.before(i);
+                        for (which, part) in [(0, 0), (0, 1), (1, 0), (1, 1)] {
+                            let term = |j: usize| {
+                                let w = rule.at(&times, n, j) * b(times[n] - times[j]);
+                                w * vectors(times[j])[which][part]
+                            };
+                            let plain: f64 = (0..n).map(term).sum();
+                            // Sums of size one.
+                            assert!((before[which][part] - plain).abs() < 1e-14, "{text}: {plain}");
+                        }
                     }
+                    sums.advance(vectors(times[n]));
                 }
-                sums.advance(vectors(times[n]));
             }
         }
     }
-}
 
-#[cfg(test)]
-mod of_adaptive {
-    use super::{cuts, integral, integral_against};
+    mod adaptive {
+        use super::super::{cuts, integral, integral_against};
 
-    /// Powers and kinks to the allowed share; smooth functions to rounding at once.
-    #[test]
-    fn integrals_are_as_good_as_the_comparison_asks_for() {
-        let one = |f: &dyn Fn(f64) -> f64, discrete: f64| {
-            integral(&[0.0, 1.0], &[discrete], |times| times.iter().map(|&s| vec![f(s)]).collect())
-                [0]
-        };
-        for power in [0.1, 0.3, 0.6, 0.9] {
-            let (exact, found) = (1.0 / (1.0 + power), one(&|s| s.powf(power), 0.5));
-            assert!((found - exact).abs() < 1e-4 * (exact - 0.5), "{power}: {found}");
-        }
-        let kink = one(&|s| (s - 0.3_f64).abs(), 0.5);
-        assert!((kink - 0.29).abs() < 1e-4 * 0.21, "{kink}");
-        assert!((one(&f64::exp, 1.859) - 1f64.exp_m1()).abs() < 1e-14);
-        assert!(one(&|_| f64::NAN, 1.0).is_nan());
-    }
-
-    /// ∫_0^t (t-s)^{-a} s^a ds = t πa/sin πa: infinite at one end, a root at the other.
-    #[test]
-    fn powers_at_both_ends_are_integrated() {
-        let t = 0.7;
-        for a in [0.3f64, 0.5, 0.9] {
-            let exact = t * std::f64::consts::PI * a / (std::f64::consts::PI * a).sin();
-            let f = |times: &[f64]| times.iter().map(|s| vec![s.powf(a)]).collect();
-            let found = integral_against(a, &cuts(t, &[]), &[exact + 1e-3], f)[0];
-            assert!((found - exact).abs() < 1e-7, "{a}: {found} {exact}");
-        }
-    }
-
-    /// A kink just inside the end of a piece, where neither rule has a point, must be a cut. Kernels with a root at the
-    /// other end need none.
-    #[test]
-    fn kinks_near_the_end_of_a_piece_are_cut_off() {
-        let (steps, place) = (256, 0.361_803);
-        let [mut plain, mut cut] = [0.0_f64; 2];
-        for n in 8..=steps {
-            let t = f64::from(n) / f64::from(steps);
-            let f = |s: f64| (t - s).max(0.0).sqrt() + (s - place).abs();
-            let k = 1.0 / f64::from(steps);
-            let inner: f64 = (1..n).map(|j| f(f64::from(j) * k)).sum();
-            let discrete = k * (inner + 0.5 * (f(0.0) + f(t)));
-            let rest = (t - place) * (t - place).abs();
-            let exact = t.powf(1.5) / 1.5 + 0.5 * (place * place + rest);
-            let off = |places: &[f64]| {
-                let values = |times: &[f64]| times.iter().map(|&s| vec![f(s)]).collect();
-                let found = integral(&cuts(t, places), &[discrete], values)[0];
-                (found - exact).abs() / (discrete - exact).abs()
+        /// Powers and kinks to the allowed share; smooth functions to rounding at once.
+        #[test]
+        fn integrals_are_as_good_as_the_comparison_asks_for() {
+            let one = |f: &dyn Fn(f64) -> f64, discrete: f64| {
+                integral(&[0.0, 1.0], &[discrete], |times| {
+                    times.iter().map(|&s| vec![f(s)]).collect()
+                })[0]
             };
-            plain = plain.max(off(&[]));
-            cut = cut.max(off(&[place]));
+            for power in [0.1, 0.3, 0.6, 0.9] {
+                let (exact, found) = (1.0 / (1.0 + power), one(&|s| s.powf(power), 0.5));
+                assert!((found - exact).abs() < 1e-4 * (exact - 0.5), "{power}: {found}");
+            }
+            let kink = one(&|s| (s - 0.3_f64).abs(), 0.5);
+            assert!((kink - 0.29).abs() < 1e-4 * 0.21, "{kink}");
+            assert!((one(&f64::exp, 1.859) - 1f64.exp_m1()).abs() < 1e-14);
+            assert!(one(&|_| f64::NAN, 1.0).is_nan());
         }
-        assert!(cut < 1e-3 && plain > 1e-2, "{cut:e} {plain:e}");
+
+        /// ∫_0^t (t-s)^{-a} s^a ds = t πa/sin πa: infinite at one end, a root at the other.
+        #[test]
+        fn powers_at_both_ends_are_integrated() {
+            let t = 0.7;
+            for a in [0.3f64, 0.5, 0.9] {
+                let exact = t * std::f64::consts::PI * a / (std::f64::consts::PI * a).sin();
+                let f = |times: &[f64]| times.iter().map(|s| vec![s.powf(a)]).collect();
+                let found = integral_against(a, &cuts(t, &[]), &[exact + 1e-3], f)[0];
+                assert!((found - exact).abs() < 1e-7, "{a}: {found} {exact}");
+            }
+        }
+
+        /// A kink just inside the end of a piece, where neither rule has a point, must be a cut. Kernels with a root at the
+        /// other end need none.
+        #[test]
+        fn kinks_near_the_end_of_a_piece_are_cut_off() {
+            let (steps, place) = (256, 0.361_803);
+            let [mut plain, mut cut] = [0.0_f64; 2];
+            for n in 8..=steps {
+                let t = f64::from(n) / f64::from(steps);
+                let f = |s: f64| (t - s).max(0.0).sqrt() + (s - place).abs();
+                let k = 1.0 / f64::from(steps);
+                let inner: f64 = (1..n).map(|j| f(f64::from(j) * k)).sum();
+                let discrete = k * (inner + 0.5 * (f(0.0) + f(t)));
+                let rest = (t - place) * (t - place).abs();
+                let exact = t.powf(1.5) / 1.5 + 0.5 * (place * place + rest);
+                let off = |places: &[f64]| {
+                    let values = |times: &[f64]| times.iter().map(|&s| vec![f(s)]).collect();
+                    let found = integral(&cuts(t, places), &[discrete], values)[0];
+                    (found - exact).abs() / (discrete - exact).abs()
+                };
+                plain = plain.max(off(&[]));
+                cut = cut.max(off(&[place]));
+            }
+            assert!(cut < 1e-3 && plain > 1e-2, "{cut:e} {plain:e}");
+        }
     }
-}
 
-#[cfg(test)]
-mod of_time {
-    use super::*;
+    mod time {
+        use super::super::*;
 
-    #[test]
-    fn weights_integrate_what_the_rules_are_made_for_on_any_grid() {
-        let times = [0.0, 0.1, 0.35, 0.5, 0.9];
-        for n in 0..times.len() {
-            let sum = |rule: Weights, slope: f64| -> f64 {
-                (0..=n).map(|j| rule.at(&times, n, j) * (1.0 + slope * times[j])).sum()
-            };
-            let line = times[n] + 0.5 * times[n] * times[n];
-            assert!((sum(Weights::Trapezoid, 1.0) - line).abs() < 1e-15);
-            assert!((sum(Weights::Left, 0.0) - times[n]).abs() < 1e-15);
-            let missed: f64 = times[..=n].windows(2).map(|k| 0.5 * (k[1] - k[0]).powi(2)).sum();
-            assert!((sum(Weights::Left, 1.0) + missed - line).abs() < 1e-15);
-        }
-        let times: Vec<f64> = (0..12).map(|j| 0.25 * f64::from(j)).collect();
-        for (rule, degree) in [(Weights::Gregory(&THREE), 1), (Weights::Gregory(&FOUR), 3)] {
+        #[test]
+        fn weights_integrate_what_the_rules_are_made_for_on_any_grid() {
+            let times = [0.0, 0.1, 0.35, 0.5, 0.9];
+            for n in 0..times.len() {
+                let sum = |rule: Weights, slope: f64| -> f64 {
+                    (0..=n).map(|j| rule.at(&times, n, j) * (1.0 + slope * times[j])).sum()
+                };
+                let line = times[n] + 0.5 * times[n] * times[n];
+                assert!((sum(Weights::Trapezoid, 1.0) - line).abs() < 1e-15);
+                assert!((sum(Weights::Left, 0.0) - times[n]).abs() < 1e-15);
+                let missed: f64 = times[..=n].windows(2).map(|k| 0.5 * (k[1] - k[0]).powi(2)).sum();
+                assert!((sum(Weights::Left, 1.0) + missed - line).abs() < 1e-15);
+            }
+            let times: Vec<f64> = (0..12).map(|j| 0.25 * f64::from(j)).collect();
+            for (rule, degree) in [(Weights::Gregory(&THREE), 1), (Weights::Gregory(&FOUR), 3)] {
+                for n in 0..12 {
+                    let degree = if n == 1 { 1 } else { degree };
+                    let sum: f64 =
+                        (0..=n).map(|j| rule.at(&times, n, j) * times[j].powi(degree)).sum();
+                    let full = times[n].powi(degree + 1) / f64::from(degree + 1);
+                    assert!((sum - full).abs() < 1e-13, "{n}: {sum} {full}");
+                }
+            }
             for n in 0..12 {
-                let degree = if n == 1 { 1 } else { degree };
-                let sum: f64 = (0..=n).map(|j| rule.at(&times, n, j) * times[j].powi(degree)).sum();
-                let full = times[n].powi(degree + 1) / f64::from(degree + 1);
-                assert!((sum - full).abs() < 1e-13, "{n}: {sum} {full}");
+                let sum = |v: fn(f64) -> f64| -> f64 {
+                    (0..=n).map(|j| Weights::Power(0.6).at(&times, n, j) * v(times[j])).sum()
+                };
+                let (one, line) = (times[n].powf(0.4) / 0.4, times[n].powf(1.4) / 0.56);
+                assert!((sum(|_| 1.0) - one).abs() < 1e-13 && (sum(|s| s) - line).abs() < 1e-13);
             }
+            let times = [0.0, 0.1, 0.35, 0.5, 0.9];
+            assert!((largest_step(&times) - 0.4).abs() < 1e-15);
         }
-        for n in 0..12 {
-            let sum = |v: fn(f64) -> f64| -> f64 {
-                (0..=n).map(|j| Weights::Power(0.6).at(&times, n, j) * v(times[j])).sum()
-            };
-            let (one, line) = (times[n].powf(0.4) / 0.4, times[n].powf(1.4) / 0.56);
-            assert!((sum(|_| 1.0) - one).abs() < 1e-13 && (sum(|s| s) - line).abs() < 1e-13);
-        }
-        let times = [0.0, 0.1, 0.35, 0.5, 0.9];
-        assert!((largest_step(&times) - 0.4).abs() < 1e-15);
     }
 }

@@ -356,145 +356,148 @@ fn left_to_group(folder: &Path, [limit, used, forgettable]: [&str; 3]) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use super::*;
-    use crate::sweep::Overrides;
-    use scene::Scene;
-    use scene::setup::Subject;
+    mod admission {
+        use super::super::*;
+        use crate::sweep::Overrides;
+        use scene::Scene;
+        use scene::setup::Subject;
 
-    fn plan(n: &[u32], steps: &[u32]) -> ScenePlan {
-        let path = format!("{}/../../manufactured/signorini.toml", env!("CARGO_MANIFEST_DIR"));
-        let scene = Scene::read(path.as_ref()).expect("a scene");
-        let overrides = Overrides { n: Some(n.to_vec()), steps: Some(steps.to_vec()) };
-        ScenePlan::new(Subject::new(scene).expect("a subject"), &overrides)
-    }
-
-    fn setup(plan: &ScenePlan) -> &Setup {
-        match &plan.subject {
-            Subject::Contact(setup) => setup,
-            Subject::Abstract(_) => panic!("no body"),
+        fn plan(n: &[u32], steps: &[u32]) -> ScenePlan {
+            let path = format!("{}/../../manufactured/signorini.toml", env!("CARGO_MANIFEST_DIR"));
+            let scene = Scene::read(path.as_ref()).expect("a scene");
+            let overrides = Overrides { n: Some(n.to_vec()), steps: Some(steps.to_vec()) };
+            ScenePlan::new(Subject::new(scene).expect("a subject"), &overrides)
         }
-    }
 
-    /// The smallest limit in bytes that is admitted.
-    fn least(admitted: impl Fn(&MemoryLimit) -> bool) -> f64 {
-        let (mut low, mut high) = (0.0, 1e12);
-        for _ in 0..60 {
-            let middle = 0.5 * (low + high);
-            match admitted(&MemoryLimit::of_bytes(middle)) {
-                true => high = middle,
-                false => low = middle,
+        fn setup(plan: &ScenePlan) -> &Setup {
+            match &plan.subject {
+                Subject::Contact(setup) => setup,
+                Subject::Abstract(_) => panic!("no body"),
             }
         }
-        high
-    }
 
-    #[test]
-    fn runs_take_what_the_dearest_of_them_takes_and_what_is_held_beside_it() {
-        let plan = plan(&[8], &[4]);
-        let setup = setup(&plan);
-        let runs = |grid: &[(u32, u32)], beside: f64| Runs {
-            setup,
-            grid: grid.to_vec(),
-            beside: Box::new(move |_, _| beside),
-        };
-        let of = |grid: &[(u32, u32)], beside: f64| {
-            least(|limit| runs(grid, beside).admit(limit).is_ok())
-        };
-        let (small, large) = (of(&[(8, 4)], 0.0), of(&[(16, 8)], 0.0));
-        assert!(small < large);
-        let near = |a: f64, b: f64| (a - b).abs() < 1.0;
-        assert!(near(of(&[(16, 8), (8, 4)], 0.0), large));
-        assert!(near(of(&[(8, 4)], 1e9), small + 1e9));
-        let said = runs(&[(8, 4), (16, 8)], 0.0).admit(&MemoryLimit::of_bytes(small)).unwrap_err();
-        assert!(said.to_string().starts_with("signorini n = 16, N = 8: about "), "{said}");
-        // NaN exceeds any finite limit.
-        let whatever = MemoryLimit::of_bytes(1e300);
-        let unknown = |steps: u32| if steps == 4 { f64::NAN } else { 0.0 };
-        let beside: Box<Beside<'_>> = Box::new(move |_, steps| unknown(steps));
-        let mixed = Runs { setup, grid: vec![(8, 2), (8, 4), (16, 8)], beside };
-        assert!(mixed.admit(&whatever).unwrap_err().source.bytes.is_nan());
-        // A mesh that fits no machine is not made.
-        let said = runs(&[(8, 4), (4096, 4)], 0.0).admit(&MemoryLimit::of_bytes(1e9)).unwrap_err();
-        assert!(said.to_string().contains("n = 4096") && said.source.at_least, "{said}");
-    }
+        /// The smallest limit in bytes that is admitted.
+        fn least(admitted: impl Fn(&MemoryLimit) -> bool) -> f64 {
+            let (mut low, mut high) = (0.0, 1e12);
+            for _ in 0..60 {
+                let middle = 0.5 * (low + high);
+                match admitted(&MemoryLimit::of_bytes(middle)) {
+                    true => high = middle,
+                    false => low = middle,
+                }
+            }
+            high
+        }
 
-    #[test]
-    fn a_plan_holds_all_of_its_meshes_and_works_on_some_cases() {
-        let bytes = |n: &[u32], steps: &[u32], jobs: usize| {
-            let plan = plan(n, steps);
-            least(|limit| admit_plan(&plan, jobs, limit, |_| 0.0).is_ok())
-        };
-        let costs = |n: u32, steps: u32| {
-            let plan = plan(&[n], &[steps]);
-            let cost = plan.costs().expect("a prediction").cases[0];
-            (cost.memory_bytes, cost.kept_bytes)
-        };
-        let ((small, small_kept), (large, large_kept)) = (costs(8, 4), costs(16, 4));
-        let near = |a: f64, b: f64| assert!((a - b).abs() < 1.0, "{a} {b}");
-        near(bytes(&[16], &[4], 1), large);
-        near(bytes(&[8, 16], &[4], 1), large + small_kept);
-        near(bytes(&[8, 16], &[4], 2), large + small - PROGRAM);
-        // Cases on one mesh share what it keeps.
-        let (shared, kept) = costs(16, 2);
-        near(bytes(&[16], &[2, 4], 2), large + shared - PROGRAM - kept);
-        assert!(kept <= large_kept);
-        let plan = plan(&[8], &[4]);
-        let beside = |cases: &[(&CasePlan, &Cost)]| 1e9 * cases.len() as f64;
-        let smallest = least(|limit| admit_plan(&plan, 1, limit, beside).is_ok());
-        near(smallest, small + 1e9);
-    }
-}
+        #[test]
+        fn runs_take_what_the_dearest_of_them_takes_and_what_is_held_beside_it() {
+            let plan = plan(&[8], &[4]);
+            let setup = setup(&plan);
+            let runs = |grid: &[(u32, u32)], beside: f64| Runs {
+                setup,
+                grid: grid.to_vec(),
+                beside: Box::new(move |_, _| beside),
+            };
+            let of = |grid: &[(u32, u32)], beside: f64| {
+                least(|limit| runs(grid, beside).admit(limit).is_ok())
+            };
+            let (small, large) = (of(&[(8, 4)], 0.0), of(&[(16, 8)], 0.0));
+            assert!(small < large);
+            let near = |a: f64, b: f64| (a - b).abs() < 1.0;
+            assert!(near(of(&[(16, 8), (8, 4)], 0.0), large));
+            assert!(near(of(&[(8, 4)], 1e9), small + 1e9));
+            let said =
+                runs(&[(8, 4), (16, 8)], 0.0).admit(&MemoryLimit::of_bytes(small)).unwrap_err();
+            assert!(said.to_string().starts_with("signorini n = 16, N = 8: about "), "{said}");
+            // NaN exceeds any finite limit.
+            let whatever = MemoryLimit::of_bytes(1e300);
+            let unknown = |steps: u32| if steps == 4 { f64::NAN } else { 0.0 };
+            let beside: Box<Beside<'_>> = Box::new(move |_, steps| unknown(steps));
+            let mixed = Runs { setup, grid: vec![(8, 2), (8, 4), (16, 8)], beside };
+            assert!(mixed.admit(&whatever).unwrap_err().source.bytes.is_nan());
+            // A mesh that fits no machine is not made.
+            let said =
+                runs(&[(8, 4), (4096, 4)], 0.0).admit(&MemoryLimit::of_bytes(1e9)).unwrap_err();
+            assert!(said.to_string().contains("n = 4096") && said.source.at_least, "{said}");
+        }
 
-#[cfg(test)]
-mod of_memory_limit {
-    use super::*;
-
-    #[test]
-    fn amounts_are_read_and_nothing_else_is() {
-        let bytes = |text: &str| text.parse::<MemoryLimit>().map(|limit| limit.bytes());
-        assert_eq!(bytes("1000"), Ok(1000.0));
-        assert_eq!(bytes("512M"), Ok(536_870_912.0));
-        assert_eq!(bytes("1.5g"), Ok(1_610_612_736.0));
-        for text in ["", "M", "-1G", "0", "nan", "inf", "1e9", "8GB", "8 G", "1..5"] {
-            assert!(bytes(text).is_err(), "{text}");
+        #[test]
+        fn a_plan_holds_all_of_its_meshes_and_works_on_some_cases() {
+            let bytes = |n: &[u32], steps: &[u32], jobs: usize| {
+                let plan = plan(n, steps);
+                least(|limit| admit_plan(&plan, jobs, limit, |_| 0.0).is_ok())
+            };
+            let costs = |n: u32, steps: u32| {
+                let plan = plan(&[n], &[steps]);
+                let cost = plan.costs().expect("a prediction").cases[0];
+                (cost.memory_bytes, cost.kept_bytes)
+            };
+            let ((small, small_kept), (large, large_kept)) = (costs(8, 4), costs(16, 4));
+            let near = |a: f64, b: f64| assert!((a - b).abs() < 1.0, "{a} {b}");
+            near(bytes(&[16], &[4], 1), large);
+            near(bytes(&[8, 16], &[4], 1), large + small_kept);
+            near(bytes(&[8, 16], &[4], 2), large + small - PROGRAM);
+            // Cases on one mesh share what it keeps.
+            let (shared, kept) = costs(16, 2);
+            near(bytes(&[16], &[2, 4], 2), large + shared - PROGRAM - kept);
+            assert!(kept <= large_kept);
+            let plan = plan(&[8], &[4]);
+            let beside = |cases: &[(&CasePlan, &Cost)]| 1e9 * cases.len() as f64;
+            let smallest = least(|limit| admit_plan(&plan, 1, limit, beside).is_ok());
+            near(smallest, small + 1e9);
         }
     }
 
-    #[test]
-    fn a_refusal_has_its_numbers_and_the_way_out() {
-        let limit: MemoryLimit = "512M".parse().unwrap();
-        assert_eq!(limit.admit(536_870_912.0, false), Ok(()));
-        let said = limit.admit(5e9, false).unwrap_err().to_string();
-        for part in ["about 4.66 GiB", "512 MiB", "--memory-limit", "smaller n"] {
-            assert!(said.contains(part), "{said}");
-        }
-        assert!(limit.admit(5e9, true).unwrap_err().to_string().contains("at least 4.66 GiB"));
-        assert!(limit.admit(f64::NAN, false).is_err());
-        assert_eq!(MemoryLimit::NONE.admit(1e300, false), Ok(()));
-    }
+    mod memory_limit {
+        use super::super::*;
 
-    #[test]
-    fn control_groups_and_the_machine_are_both_limits() {
-        let root = std::env::temp_dir().join(format!("gronwall-memory-{}", std::process::id()));
-        let write = |name: &str, text: &str| {
-            let path = root.join(name);
-            fs::create_dir_all(path.parent().unwrap()).unwrap();
-            fs::write(path, text).unwrap();
-        };
-        assert_eq!(available(&root), None);
-        write("proc/meminfo", "MemTotal:  9000 kB\nMemAvailable:    8000 kB\n");
-        assert_eq!(available(&root), Some(8_192_000.0));
-        // Version 2: the group above binds, and its file cache does not count.
-        write("proc/self/cgroup", "0::/outer/inner\n");
-        write("sys/fs/cgroup/outer/inner/memory.max", "max\n");
-        write("sys/fs/cgroup/outer/memory.max", "5000000\n");
-        write("sys/fs/cgroup/outer/memory.current", "2000000\n");
-        write("sys/fs/cgroup/outer/memory.stat", "anon 1500000\ninactive_file 500000\n");
-        assert_eq!(available(&root), Some(3_500_000.0));
-        write("proc/self/cgroup", "4:cpu:/\n7:memory,other:/job\n");
-        write("sys/fs/cgroup/memory/job/memory.limit_in_bytes", "3000000\n");
-        write("sys/fs/cgroup/memory/job/memory.usage_in_bytes", "1000000\n");
-        assert_eq!(available(&root), Some(2_000_000.0));
-        fs::remove_dir_all(&root).unwrap();
+        #[test]
+        fn amounts_are_read_and_nothing_else_is() {
+            let bytes = |text: &str| text.parse::<MemoryLimit>().map(|limit| limit.bytes());
+            assert_eq!(bytes("1000"), Ok(1000.0));
+            assert_eq!(bytes("512M"), Ok(536_870_912.0));
+            assert_eq!(bytes("1.5g"), Ok(1_610_612_736.0));
+            for text in ["", "M", "-1G", "0", "nan", "inf", "1e9", "8GB", "8 G", "1..5"] {
+                assert!(bytes(text).is_err(), "{text}");
+            }
+        }
+
+        #[test]
+        fn a_refusal_has_its_numbers_and_the_way_out() {
+            let limit: MemoryLimit = "512M".parse().unwrap();
+            assert_eq!(limit.admit(536_870_912.0, false), Ok(()));
+            let said = limit.admit(5e9, false).unwrap_err().to_string();
+            for part in ["about 4.66 GiB", "512 MiB", "--memory-limit", "smaller n"] {
+                assert!(said.contains(part), "{said}");
+            }
+            assert!(limit.admit(5e9, true).unwrap_err().to_string().contains("at least 4.66 GiB"));
+            assert!(limit.admit(f64::NAN, false).is_err());
+            assert_eq!(MemoryLimit::NONE.admit(1e300, false), Ok(()));
+        }
+
+        #[test]
+        fn control_groups_and_the_machine_are_both_limits() {
+            let root = std::env::temp_dir().join(format!("gronwall-memory-{}", std::process::id()));
+            let write = |name: &str, text: &str| {
+                let path = root.join(name);
+                fs::create_dir_all(path.parent().unwrap()).unwrap();
+                fs::write(path, text).unwrap();
+            };
+            assert_eq!(available(&root), None);
+            write("proc/meminfo", "MemTotal:  9000 kB\nMemAvailable:    8000 kB\n");
+            assert_eq!(available(&root), Some(8_192_000.0));
+            // Version 2: the group above binds, and its file cache does not count.
+            write("proc/self/cgroup", "0::/outer/inner\n");
+            write("sys/fs/cgroup/outer/inner/memory.max", "max\n");
+            write("sys/fs/cgroup/outer/memory.max", "5000000\n");
+            write("sys/fs/cgroup/outer/memory.current", "2000000\n");
+            write("sys/fs/cgroup/outer/memory.stat", "anon 1500000\ninactive_file 500000\n");
+            assert_eq!(available(&root), Some(3_500_000.0));
+            write("proc/self/cgroup", "4:cpu:/\n7:memory,other:/job\n");
+            write("sys/fs/cgroup/memory/job/memory.limit_in_bytes", "3000000\n");
+            write("sys/fs/cgroup/memory/job/memory.usage_in_bytes", "1000000\n");
+            assert_eq!(available(&root), Some(2_000_000.0));
+            fs::remove_dir_all(&root).unwrap();
+        }
     }
 }

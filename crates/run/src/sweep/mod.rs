@@ -23,13 +23,10 @@ pub use judging::{
     foresee, foresee_plan, judge_plan, judge_scene, judge_subject, reference_error,
     reference_in_words,
 };
-pub(crate) use plan::is_complete;
-pub use plan::{
-    Block, CasePlan, Overrides, ScenePlan, blocks, lowest_common_multiple, missing_cases, planned,
-    without_panic,
-};
+pub use plan::{CasePlan, Overrides, ScenePlan, lowest_common_multiple, without_panic};
 pub(crate) use provenance::first_named;
 pub use provenance::{
-    Build, Circumstances, OutputDirectory, OutputError, Provenance, ResumeError, Resumed, resume,
+    Build, Circumstances, OutputDirectory, OutputError, Planned, Provenance, ResumeError, Resumed,
+    missing_cases, planned, resume,
 };
 pub use run::{Machine, Progress, SweepError, replace_records, run_more, run_sweep};

@@ -1,9 +1,10 @@
 //! Provenance of records: program, machine, and scenes with their texts and hashes.
 
-use super::{Block, Machine, ScenePlan, blocks, is_complete};
+use super::Machine;
+use super::plan::{CasePlan, Overrides, ScenePlan, norms, scene_cases};
 use files::{FileError, if_there, make_directory, read_text, replace_file};
-use judge::record::{CaseRecord, CaseTable, RecordError, read_table};
-use scene::{Scene, SceneError, Source};
+use judge::record::{CaseRecord, CaseTable, Key, RecordError, Status, read_table};
+use scene::{Norm, Scene, SceneError, Source};
 use serde::{Deserialize, Serialize};
 use std::borrow::Cow;
 use std::collections::BTreeMap;
@@ -31,7 +32,7 @@ pub struct Provenance {
     pub step_sizes: BTreeMap<String, String>,
     /// Requested cases of scenes that are not on their default grid.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
-    pub cases: BTreeMap<String, Vec<Block>>,
+    pub cases: BTreeMap<String, Vec<Planned>>,
     /// The only key that may differ between runs with equal records.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub run: Option<Circumstances>,
@@ -71,7 +72,7 @@ impl Provenance {
         let name = || plan.scene().name.clone();
         let remark = plan.step_remark().ok().flatten();
         self.step_sizes.extend(remark.map(|remark| (name(), remark.text)));
-        self.cases.extend(blocks(plan).map(|asked| (name(), asked)));
+        self.cases.extend(off_grid(plan).map(|asked| (name(), asked)));
     }
 
     /// The provenance of a run of `plans`.
@@ -341,35 +342,93 @@ impl OutputDirectory {
     }
 }
 
-#[cfg(test)]
-mod of_circumstances {
-    use super::*;
+// The planned cases of a directory of records, by its provenance.
 
-    #[test]
-    fn the_processor_is_named_by_its_line() {
-        let text = "processor\t: 0\nmodel name\t: Some CPU @ 2 GHz\nflags\t: a b\n";
-        assert_eq!(model(text).as_deref(), Some("Some CPU @ 2 GHz"));
-        assert_eq!(model("processor\t: 0\nHardware\t: board\n"), None);
-    }
+/// A case of a scene that is off its default grid.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Planned {
+    /// Cells per unit length; none in an abstract scene.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub n: Option<u32>,
+    pub steps: u32,
+    /// Names of the norms, unless they are those of the scene.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub norms: Option<Vec<String>>,
+}
+
+/// The cases of a plan; None if they are the scene's default grid.
+pub fn off_grid(plan: &ScenePlan) -> Option<Vec<Planned>> {
+    let own = scene_cases(plan.scene(), &Overrides::default());
+    let one = |case: &CasePlan| {
+        let names = || case.norms.iter().map(|norm| norm.name().to_owned()).collect();
+        let usual = case.norms == norms(plan.scene(), case.n);
+        Planned { n: case.n, steps: case.steps, norms: (!usual).then(names) }
+    };
+    (plan.cases != own).then(|| plan.cases.iter().map(one).collect())
+}
+
+/// The cases of a scene by its provenance: its default grid or those stored.
+pub fn planned(scene: &Scene, known: &Provenance) -> Vec<CasePlan> {
+    let Some(stored) = known.cases.get(&scene.name) else {
+        return scene_cases(scene, &Overrides::default());
+    };
+    let one = |Planned { n, steps, norms: named }: &Planned| {
+        let listed = |names: &Vec<String>| {
+            Norm::all().filter(|norm| names.iter().any(|name| name == norm.name())).collect()
+        };
+        let norms = named.as_ref().map_or_else(|| norms(scene, *n), listed);
+        CasePlan { n: *n, steps: *steps, norms }
+    };
+    stored.iter().map(one).collect()
+}
+
+/// Whether a record is complete: the case was run (possibly failed), and no row is lost.
+pub(crate) fn is_complete(record: &CaseRecord, norms: &[Norm]) -> bool {
+    record.status != Status::Skipped && norms.iter().all(|norm| record.norm(norm.name()).is_some())
+}
+
+/// The planned cases of a scene without a complete record.
+pub fn missing_cases(scene: &str, planned: &[CasePlan], records: &[CaseRecord]) -> Vec<Key> {
+    let of_scene = records.iter().filter(|record| record.scene == scene);
+    let known: BTreeMap<(Option<u32>, u32), &CaseRecord> =
+        of_scene.map(|record| ((record.n, record.steps), record)).collect();
+    let open = |case: &&CasePlan| {
+        let record = known.get(&(case.n, case.steps));
+        !record.is_some_and(|record| is_complete(record, &case.norms))
+    };
+    planned.iter().filter(open).map(|case| case.place().key(scene)).collect()
 }
 
 #[cfg(test)]
-mod of_output {
-    use super::*;
+mod tests {
+    mod circumstances {
+        use super::super::*;
 
-    #[test]
-    fn a_directory_is_held_once_and_given_back() {
-        let path = std::env::temp_dir().join(format!("gronwall-output-{}", std::process::id()));
-        let held = OutputDirectory::take(&path).unwrap();
-        let second = OutputDirectory::take(&path).unwrap_err().to_string();
-        assert!(second.contains(&format!("process {}", std::process::id())), "{second}");
-        assert!(second.contains("--out"), "{second}");
-        drop(held);
-        drop(OutputDirectory::take(&path).unwrap());
-        // A file in its place.
-        let file = path.join("file");
-        fs::write(&file, "").unwrap();
-        assert!(matches!(OutputDirectory::take(&file), Err(OutputError::Io(_))));
-        fs::remove_dir_all(&path).unwrap();
+        #[test]
+        fn the_processor_is_named_by_its_line() {
+            let text = "processor\t: 0\nmodel name\t: Some CPU @ 2 GHz\nflags\t: a b\n";
+            assert_eq!(model(text).as_deref(), Some("Some CPU @ 2 GHz"));
+            assert_eq!(model("processor\t: 0\nHardware\t: board\n"), None);
+        }
+    }
+
+    mod output {
+        use super::super::*;
+
+        #[test]
+        fn a_directory_is_held_once_and_given_back() {
+            let path = std::env::temp_dir().join(format!("gronwall-output-{}", std::process::id()));
+            let held = OutputDirectory::take(&path).unwrap();
+            let second = OutputDirectory::take(&path).unwrap_err().to_string();
+            assert!(second.contains(&format!("process {}", std::process::id())), "{second}");
+            assert!(second.contains("--out"), "{second}");
+            drop(held);
+            drop(OutputDirectory::take(&path).unwrap());
+            // A file in its place.
+            let file = path.join("file");
+            fs::write(&file, "").unwrap();
+            assert!(matches!(OutputDirectory::take(&file), Err(OutputError::Io(_))));
+            fs::remove_dir_all(&path).unwrap();
+        }
     }
 }

@@ -513,7 +513,7 @@ fn empty<T>(slot: &Slot<T>) {
 }
 
 #[cfg(test)]
-mod of_schedule {
+mod tests {
     use super::*;
 
     fn task(rank: f64, bytes: f64) -> Task {

@@ -2,7 +2,7 @@
 
 use super::constants::{Constants, Smallness, needed, step_bounds};
 use super::{AbstractSetup, MeshData, Result, Setup, SetupError};
-use crate::{Hypothesis, Scene, SceneError};
+use crate::{Hypothesis, Scene};
 use fem::contact::{CaseError, CaseInfo, Observer};
 use files::digits;
 use vhi::history::TimeGrid;
@@ -57,14 +57,6 @@ impl Subject {
 
 /// A solver of Problem 14 on a given mesh and time grid. A sweep measures and judges what it shows.
 pub trait Scheme: Send + Sync {
-    /// Refuses scenes with an unsupported term; by default none.
-    ///
-    /// # Errors
-    /// At the key of the term.
-    fn takes(&self, _scene: &Scene) -> Result<(), SceneError> {
-        Ok(())
-    }
-
     /// Solves the scene with `steps` steps on its time grid and shows every level, n = 0 first, to `observe`.
     ///
     /// # Errors
