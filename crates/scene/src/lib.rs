@@ -1,6 +1,6 @@
 //! Scene files: TOML, the scene as validated, and messages that name the way out.
 //!
-//! A file becomes a [`Scene`] part by part, or a [`SceneError`] that points at the text: `values` gives the keys of a
+//! A file becomes a [`Scene`] part by part, or a [`SceneError`] that points at the text: `reading` gives the keys of a
 //! part, and refuses unknown ones with the nearest known one; each part makes of them numbers and compiled formulas that
 //! satisfy every hypothesis that can be checked without a mesh or a solve.
 //!

@@ -8,6 +8,8 @@ use super::validated::{Scene, name_in};
 use fem::mesh::Family as MeshFamily;
 use fem::norms::ContactState;
 use files::counted;
+/// The direction of refinement; joint is C_h h^order + C_k k^order_k over the grid of cases, path h → 0 along the pairs of
+/// the sweep.
 pub use judge::verdict::Variable as Direction;
 use serde::de::IgnoredAny;
 
@@ -389,9 +391,6 @@ impl Norm {
         Ok(norm)
     }
 }
-
-/// The direction of refinement; joint is C_h h^order + C_k k^order_k over the grid of cases, path h → 0 along the pairs of
-/// the sweep.
 
 /// One promised order.
 #[derive(Debug, Clone, PartialEq)]

@@ -16,6 +16,7 @@ use super::time::{GRIDS, Time, TimeRule};
 use crate::ContactQuadrature;
 use fem::space::Element;
 use formula::Graph;
+/// The verdict that a scene must reach.
 pub use judge::verdict::Decision as Expectation;
 use std::fmt;
 use std::ops::Range;
@@ -253,8 +254,6 @@ fn has_truth(reading: &Reading, judge: bool, data: &Data, sweep: Option<&Sweep>)
 }
 
 // `[scene]`: the name, the question, and how the scene is judged.
-
-/// The verdict that a scene must reach.
 
 /// A hypothesis that a scene may violate on purpose.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

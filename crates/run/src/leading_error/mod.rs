@@ -17,19 +17,6 @@
 //! laws, time weights, assembly and march are not used, so that mistakes in them do not move the prediction;
 //! `tests/commands/house.rs` lists what is shared.
 
-pub use error::NoConstant;
-use exact::Exact;
-use fem::contact::Discretization;
-use fem::space::Element;
-use in_space::Largest;
-pub use interpolation::{InterpolationError, interpolation_constant};
-pub use judge::verdict::MeshAndSteps as Case;
-use judge::verdict::{LeadingLine, LeadingPoint};
-use scene::setup::{AbstractSetup, Setup, Subject};
-use scene::{Direction, Hypothesis, MeshFamily, Norm};
-use std::sync::Arc;
-use sums::{largest_step, times};
-
 mod cells;
 mod contact_answers;
 mod error;
@@ -38,7 +25,21 @@ mod in_space;
 mod interpolation;
 mod sums;
 
+pub use error::NoConstant;
+pub use interpolation::{InterpolationError, interpolation_constant};
 /// A case of a scene whose errors are predicted.
+pub use judge::verdict::MeshAndSteps as Case;
+
+use std::sync::Arc;
+
+use exact::Exact;
+use fem::contact::Discretization;
+use fem::space::Element;
+use in_space::Largest;
+use judge::verdict::{LeadingLine, LeadingPoint};
+use scene::setup::{AbstractSetup, Setup, Subject};
+use scene::{Direction, Hypothesis, MeshFamily, Norm};
+use sums::{largest_step, times};
 
 /// The linearisation error is the size of the error over that of the solution: 1e-5 on the finest steps of the shipped
 /// scenes, with a safety factor 10. If a contact state changes within the error the share does not fall with k, and the
