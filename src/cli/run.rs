@@ -5,11 +5,9 @@ use std::path::PathBuf;
 use clap::Args;
 use rayon::prelude::*;
 
-use super::machine::on_interrupt;
-use super::machine::{Allowance, processors};
+use super::machine::{Allowance, on_interrupt, processors};
 use super::scenes::Chosen;
-use super::swept::Swept;
-use super::swept::{annotate, on_github};
+use super::swept::{Swept, annotate, on_github};
 use super::{CliError, Scenes, print_json, print_text};
 use files::{counted, quoted, read_file, write_named};
 use judge::record::{CaseRecord, Key, RecordError, write_sorted};

@@ -8,11 +8,9 @@ use clap::{Args, ValueEnum};
 use serde::Serialize;
 use serde_json::json;
 
-use super::machine::Allowance;
-use super::machine::on_interrupt;
+use super::machine::{Allowance, on_interrupt};
 use super::scenes::Grid;
-use super::swept::Swept;
-use super::swept::{annotate, on_github};
+use super::swept::{Swept, annotate, on_github};
 use super::{CliError, Scenes, TABLE_WIDTH, print_json, print_text, verdict_table, width};
 use files::shortened;
 use judge::record::{CaseRecord, Key};

@@ -60,16 +60,16 @@ const KNOWN: &[(&str, &str, usize, &str)] = &[
     (
         "run",
         "sweep/run",
-        4,
+        2,
         "provenance names the machine of a run, and a resumed run reads provenance",
     ),
     (
         "scene",
         "validated",
-        35,
+        16,
         "each part of a scene is read with the errors and the source of the whole",
     ),
-    ("scene", "setup", 14, "a setup is admitted and measured by functions of a setup"),
+    ("scene", "setup", 10, "a setup is admitted and measured by functions of a setup"),
 ];
 
 type Path = Vec<String>;

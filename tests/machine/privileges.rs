@@ -89,8 +89,7 @@ fn reaches_out(source: &str) -> Vec<&'static str> {
 }
 
 /// Sources that may run a program: one that the user names, and the typesetter beside this one for `report --pdf`.
-const ASKED_FOR: [&str; 3] =
-    ["crates/run/src/external/process.rs", "crates/run/src/external/group.rs", "src/cli/report.rs"];
+const ASKED_FOR: [&str; 2] = ["crates/run/src/external/process.rs", "src/cli/report.rs"];
 
 #[test]
 fn no_other_program_is_run_and_no_network_is_asked() {

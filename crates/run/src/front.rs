@@ -158,10 +158,7 @@ impl Sweep {
                 self.overrides.check(&self.scene)?;
                 ScenePlan::new(Subject::new(self.scene)?, &self.overrides)
             }
-            Some(scheme) => {
-                scheme.takes(&self.scene)?;
-                plan_for(scheme, self.scene, &self.overrides, self.pressures)?
-            }
+            Some(scheme) => plan_for(scheme, self.scene, &self.overrides, self.pressures)?,
         };
         if plan.cases.is_empty() {
             return Err(FrontError::NoCase { name });

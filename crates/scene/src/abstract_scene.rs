@@ -12,11 +12,10 @@ use serde::de::IgnoredAny;
 use formula::{EvaluationPoint, Node, Variable};
 
 use super::definitions::definitions;
-use super::diagnostic::SceneError;
 use super::law::Law;
-use super::reading::{Reading, evenly};
-use super::singular;
-use super::spans::join;
+use super::memory::{singular_exponent, singular_way_out};
+use super::reading::{Reading, evenly, join};
+use super::source::Result;
 
 /// One kernel with its matrix: q_l(t, s) Q_l.
 pub use exact::KernelFormulas as AbstractKernel;
@@ -74,11 +73,7 @@ const NEEDED: [(&str, &str); 5] = [
 ];
 
 impl AbstractScene {
-    pub(super) fn validate(
-        reading: &mut Reading,
-        horizon: f64,
-        m: usize,
-    ) -> Result<Self, SceneError> {
+    pub(super) fn validate(reading: &mut Reading, horizon: f64, m: usize) -> Result<Self> {
         for (part, key) in NEEDED.iter().filter(|(part, _)| reading.has(part)) {
             reading.required::<IgnoredAny>(&join(part, key))?;
         }
@@ -124,16 +119,12 @@ impl AbstractScene {
     }
 }
 
-fn square_or_identity(reading: &Reading, key: &str, m: usize) -> Result<Rows, SceneError> {
+fn square_or_identity(reading: &Reading, key: &str, m: usize) -> Result<Rows> {
     let row = |i| (0..m).map(|j| f64::from(u8::from(i == j))).collect();
     if reading.has(key) { square(reading, key, m) } else { Ok((0..m).map(row).collect()) }
 }
 
-fn kernels(
-    reading: &mut Reading,
-    horizon: f64,
-    m: usize,
-) -> Result<Vec<AbstractKernel>, SceneError> {
+fn kernels(reading: &mut Reading, horizon: f64, m: usize) -> Result<Vec<AbstractKernel>> {
     let mut scope = reading.scope(&[Variable::T]);
     scope.define("s", reading.formulas.variable(Variable::X));
     let mut kernels = Vec::new();
@@ -145,16 +136,16 @@ fn kernels(
         let ends = evenly(0.0, horizon, ENDS).skip(1);
         let ends = ends.map(|t| EvaluationPoint { x: t, t, ..EvaluationPoint::default() });
         reading.everywhere((&of_q, q), ends, f64::is_finite, |at, value| {
-            (format!("q(t, s) is {value} at s = t = {}", at.t), singular::way_out("q"))
+            (format!("q(t, s) is {value} at s = t = {}", at.t), singular_way_out("q"))
         })?;
-        let power = singular::exponent(reading, &key)?;
+        let power = singular_exponent(reading, &key)?;
         kernels.push(AbstractKernel { q, power, matrix });
     }
     Ok(kernels)
 }
 
 impl AbstractTrace {
-    fn validate(reading: &mut Reading, index: usize, m: usize) -> Result<Self, SceneError> {
+    fn validate(reading: &mut Reading, index: usize, m: usize) -> Result<Self> {
         let table = format!("trace.{index}");
         let key = |name: &str| join(&table, name);
         let functional = vector(reading, &key("functional"), m)?;
@@ -187,10 +178,10 @@ impl AbstractTrace {
 /// Times t > 0 at which q(t, t) must be finite.
 const ENDS: u32 = 16;
 
-fn vector(reading: &Reading, key: &str, m: usize) -> Result<Vec<f64>, SceneError> {
+fn vector(reading: &Reading, key: &str, m: usize) -> Result<Vec<f64>> {
     reading.numbers(key, m, "one number a component, dimension of them")
 }
 
-fn square(reading: &Reading, key: &str, m: usize) -> Result<Rows, SceneError> {
+fn square(reading: &Reading, key: &str, m: usize) -> Result<Rows> {
     reading.matrix(key, m, "a matrix of the scene has dimension rows of so many numbers")
 }

@@ -3,14 +3,14 @@
 use fem::contact::BoundaryRule as ContactQuadrature;
 use formula::Node;
 
-use super::curve::has_exact_rule;
-use super::diagnostic::SceneError;
 use super::domain::Domain;
 use super::friction::Friction;
 use super::gap::{finite_on_contact, gap};
 use super::law::Law;
+use super::law::Scale;
+use super::law::has_exact_rule;
 use super::reading::Reading;
-use super::scale::Scale;
+use super::source::SceneError;
 use super::time::Time;
 
 /// (5.5) on Γ3: u_ν ≤ g, and ξ ∈ p(u_ν - s); friction in place of (5.6).

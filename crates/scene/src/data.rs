@@ -7,11 +7,10 @@ use formula::{Node, Scope, Variable};
 
 use super::contact::Contact;
 use super::definitions::definitions;
-use super::diagnostic::SceneError;
 use super::domain::{Domain, Side, place};
-use super::reading::{Reading, in_time};
+use super::reading::{Formula, Reading, in_time};
+use super::source::Result;
 use super::time::Time;
-use super::values::Formula;
 
 pub(super) const AXES: [Variable; 3] = [Variable::X, Variable::Y, Variable::Z];
 
@@ -54,7 +53,7 @@ impl Data {
         domain: &Domain,
         time: &Time,
         contact: Option<&Contact>,
-    ) -> Result<Data, SceneError> {
+    ) -> Result<Data> {
         match (reading.has("exact"), reading.has("loads")) {
             (true, false) => exact_solution(reading, domain.dimension(), contact),
             (false, true) => given_loads(reading, domain, time),
@@ -76,7 +75,7 @@ fn exact_solution(
     reading: &mut Reading,
     dimension: usize,
     contact: Option<&Contact>,
-) -> Result<Data, SceneError> {
+) -> Result<Data> {
     let has = |part: fn(&Contact) -> bool| contact.is_some_and(part);
     let needs = [
         (
@@ -120,7 +119,7 @@ fn friction(
     key: &str,
     dimension: usize,
     scope: &Scope,
-) -> Result<Vec<Node>, SceneError> {
+) -> Result<Vec<Node>> {
     match (reading.has_parts(key), dimension) {
         (false, 2) => Ok(vec![reading.formula(key, scope)?]),
         (true, 3) => reading.vector(key, 3, scope),
@@ -135,7 +134,7 @@ fn friction(
     }
 }
 
-fn given_loads(reading: &mut Reading, domain: &Domain, time: &Time) -> Result<Data, SceneError> {
+fn given_loads(reading: &mut Reading, domain: &Domain, time: &Time) -> Result<Data> {
     let dimension = domain.dimension();
     let scope = reading.space_and_time(dimension);
     let body = reading.vector("loads.body", dimension, &scope)?;
@@ -152,12 +151,7 @@ fn given_loads(reading: &mut Reading, domain: &Domain, time: &Time) -> Result<Da
     Ok(Data::Loads { body, traction })
 }
 
-fn traction_side(
-    reading: &Reading,
-    key: &str,
-    name: &str,
-    domain: &Domain,
-) -> Result<Side, SceneError> {
+fn traction_side(reading: &Reading, key: &str, name: &str, domain: &Domain) -> Result<Side> {
     let side = reading.named(key, name, &domain.known())?;
     if domain.traction.contains(&side) {
         return Ok(side);
@@ -174,7 +168,7 @@ fn finite(
     load: &[Node],
     places: &[[f64; 3]],
     time: &Time,
-) -> Result<(), SceneError> {
+) -> Result<()> {
     load.iter().enumerate().try_for_each(|(index, &node)| {
         let key = format!("{key}.{index}");
         let points = in_time(places, time.horizon, SAMPLES);

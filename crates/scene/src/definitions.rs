@@ -4,12 +4,11 @@ use std::collections::BTreeMap;
 
 use formula::{Graph, Node, Scope};
 
-use super::diagnostic::SceneError;
-use super::reading::Reading;
-use super::values::Formula;
+use super::reading::{Formula, Reading};
+use super::source::{Result, SceneError};
 
 /// The named constants; each may use earlier ones.
-pub(super) fn parameters(reading: &mut Reading) -> Result<Vec<(String, Node)>, SceneError> {
+pub(super) fn parameters(reading: &mut Reading) -> Result<Vec<(String, Node)>> {
     let mut parameters = Vec::new();
     defined(reading, "exact.parameters", Scope::new(&[]), |reading, key, name, node| {
         let constant = reading.formulas.value_of_constant(node).is_some_and(f64::is_finite);
@@ -23,7 +22,7 @@ pub(super) fn parameters(reading: &mut Reading) -> Result<Vec<(String, Node)>, S
 }
 
 /// A scope with the named quantities; each of these may use earlier ones.
-pub(super) fn definitions(reading: &mut Reading, scope: Scope) -> Result<Scope, SceneError> {
+pub(super) fn definitions(reading: &mut Reading, scope: Scope) -> Result<Scope> {
     defined(reading, "exact.define", scope, |reading, key, name, _| {
         if reading.parameters.iter().any(|(parameter, _)| parameter == name) {
             let message = format!("`{name}` is a parameter already");
@@ -38,8 +37,8 @@ fn defined(
     reading: &mut Reading,
     table: &str,
     mut scope: Scope,
-    mut check: impl FnMut(&Reading, &str, &str, Node) -> Result<(), SceneError>,
-) -> Result<Scope, SceneError> {
+    mut check: impl FnMut(&Reading, &str, &str, Node) -> Result<()>,
+) -> Result<Scope> {
     let ordered = in_file_order(reading, table)?;
     for (key, name, formula) in &ordered {
         free_name(reading, key, name)?;
@@ -65,10 +64,7 @@ fn used_too_early(mut error: SceneError, later: &[&str]) -> SceneError {
 }
 
 /// (dotted key, name, formula) of a table, sorted by position in the file.
-fn in_file_order(
-    reading: &Reading,
-    table: &str,
-) -> Result<Vec<(String, String, Formula)>, SceneError> {
+fn in_file_order(reading: &Reading, table: &str) -> Result<Vec<(String, String, Formula)>> {
     let written: BTreeMap<String, Formula> = reading.optional(table)?.unwrap_or_default();
     let mut entries: Vec<_> = written
         .into_iter()
@@ -79,7 +75,7 @@ fn in_file_order(
 }
 
 /// Checks that a name is valid in formulas and not taken.
-fn free_name(reading: &Reading, key: &str, name: &str) -> Result<(), SceneError> {
+fn free_name(reading: &Reading, key: &str, name: &str) -> Result<()> {
     if Graph::is_reserved(name) {
         let hint = "variables, functions and pi keep their meaning: choose another name";
         return Err(reading.key_error(key, format!("`{name}` is a reserved name"), hint));

@@ -1,24 +1,20 @@
 //! `[domain]`: the rectangle, box, polygon or mesh file, its named sides, and the mesh family.
 
-mod depth;
-mod family;
-mod mesh_file;
-mod normals;
-mod polygon;
-mod shape;
-mod side;
-
-pub(super) use family::MESHES;
-pub(super) use mesh_file::with_mesh;
-pub use side::{Face, Side};
-
-use std::sync::Arc;
-
-use fem::mesh::{CoarseMesh, Family, Mesh, REST, lattice};
+use crate::reading::{Reading, Spans};
+use crate::source::{Result, SceneError, Source};
+use fem::mesh::{
+    CoarseMesh, Family, Family as MeshFamily, Fault, Mesh, PolygonError, REST, lattice, read_gmsh,
+    triangulate, vertex_at,
+};
+use files::read_file_up_to;
 use formula::EvaluationPoint;
+use serde::de::IgnoredAny;
+pub use side::{Face, Side};
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use toml::de::DeTable;
 
-use super::diagnostic::SceneError;
-use super::reading::Reading;
+mod side;
 
 pub(super) fn place(point: &EvaluationPoint, dimension: usize) -> String {
     let named = [("x", point.x), ("y", point.y), ("z", point.z)];
@@ -56,8 +52,8 @@ pub struct Domain {
 }
 
 impl Domain {
-    pub(super) fn validate(reading: &Reading, dimension: usize) -> Result<Domain, SceneError> {
-        let (shape, size, sides) = shape::shape(reading, dimension)?;
+    pub(super) fn validate(reading: &Reading, dimension: usize) -> Result<Domain> {
+        let (shape, size, sides) = shape(reading, dimension)?;
         let (clamped, symmetry, traction, contact) = Default::default();
         let mesh = Family::Structured;
         let mut domain = Domain { shape, size, sides, clamped, symmetry, traction, contact, mesh };
@@ -66,9 +62,9 @@ impl Domain {
         domain.traction = domain.listed(reading, "domain.traction")?;
         domain.contact = domain.listed(reading, "domain.contact")?;
         domain.take_rest(reading)?;
-        domain.mesh = family::family(reading, &domain)?;
+        domain.mesh = family(reading, &domain)?;
         domain.each_side_once(reading)?;
-        normals::few_at_a_vertex(reading, &domain)?;
+        side::few_at_a_vertex(reading, &domain)?;
         domain.fixed(reading)?;
         Ok(domain)
     }
@@ -110,7 +106,7 @@ impl Domain {
 
     /// Refuses a body that can move without strain: Γ1 is empty, and u_ν = 0 on planes of symmetry leaves a translation or
     /// rotation.
-    fn fixed(&self, reading: &Reading) -> Result<(), SceneError> {
+    fn fixed(&self, reading: &Reading) -> Result<()> {
         if !self.clamped.is_empty() {
             return Ok(());
         }
@@ -121,7 +117,7 @@ impl Domain {
             return Err(reading.error("domain.clamped", message, hint));
         }
         let message = "no side is clamped, and the body can move along its planes of symmetry: there ‖ε(v)‖ is no norm";
-        let left = normals::rigid_motions_left(self) > 0;
+        let left = side::rigid_motions_left(self) > 0;
         reading.refuse_if(left, "domain.symmetry", message, hint)
     }
 
@@ -136,7 +132,7 @@ impl Domain {
                 ends.then(|| self.size[side.index() / 2])
             }
             Shape::Refined(coarse) if coarse.dimension == 2 => {
-                depth::under(coarse, side.0, |of| self.clamped.contains(&Side(of)))
+                side::depth_under(coarse, side.0, |of| self.clamped.contains(&Side(of)))
             }
             // Not implemented in space.
             Shape::Refined(_) => None,
@@ -239,7 +235,7 @@ impl Domain {
         top.or(self.sides.first()).map_or("top", String::as_str)
     }
 
-    fn listed(&self, reading: &Reading, key: &str) -> Result<Vec<Side>, SceneError> {
+    fn listed(&self, reading: &Reading, key: &str) -> Result<Vec<Side>> {
         let one = |index| {
             let key = format!("{key}.{index}");
             let name = reading.required::<String>(&key)?;
@@ -263,7 +259,7 @@ impl Domain {
     }
 
     /// `rest`: what becomes of the sides that no list names.
-    fn take_rest(&mut self, reading: &Reading) -> Result<(), SceneError> {
+    fn take_rest(&mut self, reading: &Reading) -> Result<()> {
         if reading.optional::<String>("domain.rest")?.is_none() {
             return Ok(());
         }
@@ -275,7 +271,7 @@ impl Domain {
         Ok(())
     }
 
-    fn each_side_once(&self, reading: &Reading) -> Result<(), SceneError> {
+    fn each_side_once(&self, reading: &Reading) -> Result<()> {
         let lists = [
             ("clamped", &self.clamped),
             ("symmetry", &self.symmetry),
@@ -307,4 +303,290 @@ impl Domain {
         let hint = "put each side into clamped, symmetry, traction or contact, or write rest = \"traction\"; a free side is a traction side without a load";
         reading.refuse_if(!free.is_empty(), "domain", message, hint)
     }
+}
+
+// `[domain] shape`: its keys and its meaning.
+
+type Parts = (Shape, Vec<f64>, Vec<String>);
+
+/// The shapes with their keys.
+const SHAPES: [(&str, &str); 4] = [
+    ("rectangle", "size"),
+    ("box", "size"),
+    ("polygon", "vertices sides points triangles"),
+    ("mesh", "file"),
+];
+
+pub(super) fn shape(reading: &Reading, dimension: usize) -> Result<Parts> {
+    let known: &[(&str, &str)] = match dimension {
+        3 => &[("box", "box"), ("mesh", "mesh")],
+        _ => &[("rectangle", "rectangle"), ("polygon", "polygon"), ("mesh", "mesh")],
+    };
+    let plane = reading.required::<String>("domain.shape")? == "polygon";
+    let message = "the shape `polygon` is plane, and dimension = 3";
+    let hint = "write shape = \"box\" or \"mesh\", or dimension = 2";
+    reading.refuse_if(dimension == 3 && plane, "domain.shape", message, hint)?;
+    let shape = reading.choice("domain.shape", known)?;
+    reading.only("domain", ("shape", shape), &SHAPES)?;
+    let coarse = match shape {
+        "polygon" => polygon(reading)?,
+        "mesh" => mesh_file(reading, dimension)?,
+        _ => {
+            let hint = "give one length a dimension: size = [1.0, 1.0]";
+            let lengths = reading.entries_of("domain.size", dimension, hint)?;
+            let length = |index| reading.positive(&format!("domain.size.{index}"));
+            let size = lengths.map(length).collect::<Result<_, _>>()?;
+            let names = side::OF_A_BOX[..2 * dimension].iter().map(|name| (*name).to_string());
+            return Ok((Shape::Box, size, names.collect()));
+        }
+    };
+    let [low, high] = coarse.bounds();
+    let (size, sides) = ((0..dimension).map(|i| high[i] - low[i]), coarse.sides.clone());
+    Ok((Shape::Refined(coarse.into()), size.collect(), sides))
+}
+
+// `[domain] mesh`: how the vertices of the meshes are placed.
+
+/// Larger exponents give cells at the corner below rounding.
+const STEEPEST: f64 = 8.0;
+
+/// The kinds of mesh with their keys.
+pub(crate) const MESHES: [(&str, &str); 3] =
+    [("structured", ""), ("perturbed", "amplitude seed axes"), ("graded", "corner exponent")];
+
+pub(super) fn family(reading: &Reading, domain: &Domain) -> Result<MeshFamily> {
+    if !reading.has("domain.mesh") {
+        return Ok(MeshFamily::Structured);
+    }
+    let kind = reading.kind("domain.mesh", &MESHES)?;
+    let tetrahedra = matches!(&domain.shape, Shape::Refined(coarse) if coarse.dimension == 3);
+    let message = format!("meshes of kind `{kind}` are not made of tetrahedra from a file");
+    let hint =
+        "remove `mesh`, because the file says where the vertices are and refinement keeps them";
+    reading.refuse_if(kind != "structured" && tetrahedra, "domain.mesh.kind", message, hint)?;
+    match kind {
+        "structured" => Ok(MeshFamily::Structured),
+        "perturbed" => perturbed(reading, domain.dimension()),
+        _ => graded(reading, domain),
+    }
+}
+
+fn perturbed(reading: &Reading, dimension: usize) -> Result<MeshFamily> {
+    let hint = "it is a part of the mesh width; from 0.25 on a triangle may turn over";
+    let range = ["is outside [0, 0.25)", hint];
+    let fits = |amplitude| (0.0..0.25).contains(&amplitude);
+    let amplitude = reading.number("domain.mesh.amplitude", fits, range)?;
+    let seed = reading.seed("domain.mesh.seed")?;
+    let axes = axes(reading, dimension)?;
+    Ok(MeshFamily::Perturbed { amplitude, seed, axes })
+}
+
+/// The axes along which vertices move: by default all.
+fn axes(reading: &Reading, dimension: usize) -> Result<[bool; 3]> {
+    let known = &[("x", 0), ("y", 1), ("z", 2)][..dimension];
+    let mut moved = [!reading.has("domain.mesh.axes"); 3];
+    for index in reading.entries("domain.mesh.axes")? {
+        moved[reading.choice(&format!("domain.mesh.axes.{index}"), known)?] = true;
+    }
+    Ok(moved)
+}
+
+fn graded(reading: &Reading, domain: &Domain) -> Result<MeshFamily> {
+    let key = "domain.mesh.corner";
+    let corner = reading.pair(key, A_POINT)?;
+    let fault = format!("is outside [1, {STEEPEST}]");
+    let hint = "1 leaves the mesh as it is; for u ~ r^s at the corner 1/s or a little more restores order 1";
+    let fits = |exponent| (1.0..=STEEPEST).contains(&exponent);
+    let exponent = reading.number("domain.mesh.exponent", fits, [&fault, hint])?;
+    let (known, what) = match &domain.shape {
+        Shape::Box if domain.dimension() == 3 => {
+            let message = "a box has no graded meshes";
+            return Err(reading.error("domain.mesh.kind", message, "grade a plane scene"));
+        }
+        Shape::Box => {
+            let ends = |axis: usize| corner[axis] == 0.0 || corner[axis] == domain.size[axis];
+            (ends(0) && ends(1), "corner of the rectangle")
+        }
+        Shape::Refined(coarse) => {
+            (vertex_at(coarse, corner).is_some(), "vertex of the coarse triangulation")
+        }
+    };
+    let message = format!("({}, {}) is no {what}", corner[0], corner[1]);
+    reading.refuse_if(!known, key, message, "grade towards a vertex that is in the file")?;
+    Ok(MeshFamily::Graded { corner, exponent })
+}
+
+// `shape = "polygon"`: vertices, named edges, and a coarse triangulation.
+
+pub(super) fn polygon(reading: &Reading) -> Result<CoarseMesh> {
+    let _: IgnoredAny = reading.required("domain.vertices")?;
+    let boundary = &places(reading, "domain.vertices")?[..];
+    measurable(reading, boundary)?;
+    let triangles = triangulate(boundary).map_err(|error| refused(reading, &error))?;
+    let mut vertices = boundary.to_vec();
+    let triangles = match (reading.has("domain.triangles"), reading.has("domain.points")) {
+        (false, false) => triangles,
+        (false, true) => {
+            let message = "`points` are vertices of `triangles`, and there are none";
+            let hint = "add triangles = [[i, j, k], ...], numbered from 0, first the vertices, then the points";
+            return Err(reading.key_error("domain.points", message, hint));
+        }
+        (true, _) => {
+            vertices.extend(places(reading, "domain.points")?);
+            numbered(reading, vertices.len())?
+        }
+    };
+    let (sides, of_edge) = names(reading, boundary.len())?;
+    CoarseMesh::polygon(&vertices, &triangles, &of_edge, sides).map_err(|error| {
+        let hint = "the triangles must cover the polygon, edge to edge, and each edge of the polygon must be an edge of one of them";
+        reading.error("domain.triangles", error.to_string(), hint)
+    })
+}
+
+/// Range in which areas of polygons and of all their cells are doubles.
+const EXTENTS: std::ops::RangeInclusive<f64> = 1e-150..=1e150;
+
+fn measurable(reading: &Reading, boundary: &[[f64; 2]]) -> Result<()> {
+    let range = |axis: usize| {
+        let ends = boundary.iter().fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], p| {
+            [low.min(p[axis]), high.max(p[axis])]
+        });
+        ends[1] - ends[0]
+    };
+    let extent = range(0).max(range(1));
+    // Coinciding or too few points get better messages below.
+    let known = extent <= 0.0 || EXTENTS.contains(&extent);
+    let message = format!("the polygon is {extent:.1e} across, outside 1e-150 to 1e150");
+    let hint = "areas leave the range of doubles there; state the scene in another unit of length";
+    reading.refuse_if(!known, "domain.vertices", message, hint)
+}
+
+fn places(reading: &Reading, key: &str) -> Result<Vec<[f64; 2]>> {
+    reading.entries(key)?.map(|i| reading.pair(&format!("{key}.{i}"), A_POINT)).collect()
+}
+
+pub(super) const A_POINT: &str = "a point of the plane has two numbers: write [x, y]";
+
+/// Triangles of the file, with checked vertex numbers.
+fn numbered(reading: &Reading, count: usize) -> Result<Vec<[u32; 3]>> {
+    let triangle = |t| {
+        let key = format!("domain.triangles.{t}");
+        reading.entries_of(&key, 3, "a triangle has three vertices: write [i, j, k]")?;
+        let corner = |a: usize| vertex(reading, &format!("{key}.{a}"), count);
+        Ok([corner(0)?, corner(1)?, corner(2)?])
+    };
+    reading.entries("domain.triangles")?.map(triangle).collect()
+}
+
+/// The number of one of the vertices.
+fn vertex(reading: &Reading, key: &str, count: usize) -> Result<u32> {
+    let value: i64 = reading.required(key)?;
+    let known = u32::try_from(value).ok().filter(|&v| (v as usize) < count);
+    let message = format!("there is no vertex {value}: {count} are numbered from 0");
+    known.ok_or_else(|| reading.error(key, message, "first the vertices, then the points"))
+}
+
+/// Names of the sides in order of appearance, and the side of each edge.
+fn names(reading: &Reading, count: usize) -> Result<(Vec<String>, Vec<u32>)> {
+    let names: Option<Vec<String>> = reading.optional("domain.sides")?;
+    let names = names.unwrap_or_else(|| (1..=count).map(|i| format!("s{i}")).collect());
+    let message = format!("{} names for {count} edges", names.len());
+    let hint = "give one name per edge; edge i goes from vertex i to the next, and several may share a name";
+    reading.refuse_if(names.len() != count, "domain.sides", message, hint)?;
+    let mut sides: Vec<String> = Vec::new();
+    let mut of_edge = Vec::new();
+    for (i, name) in names.into_iter().enumerate() {
+        let (key, what) = (format!("domain.sides.{i}"), "a side without name");
+        let hint = "give the side a name: sides = [\"bottom\", ...]";
+        reading.refuse_if(name.trim().is_empty(), &key, what, hint)?;
+        let side = sides.iter().position(|known| *known == name).unwrap_or_else(|| {
+            sides.push(name);
+            sides.len() - 1
+        });
+        of_edge.push(side as u32);
+    }
+    Ok((sides, of_edge))
+}
+
+fn refused(reading: &Reading, error: &PolygonError) -> SceneError {
+    let (key, hint) = match error {
+        PolygonError::TooFew { .. } => {
+            ("domain.vertices".to_string(), "vertices = [[0.0, 0.0], [1.0, 0.0], [0.5, 1.0]]")
+        }
+        PolygonError::Repeated { second, .. } => (
+            format!("domain.vertices.{second}"),
+            "name each corner once; the last edge returns to the first vertex by itself",
+        ),
+        PolygonError::Crossing { second, .. } => {
+            (format!("domain.vertices.{second}"), "order the vertices along the boundary")
+        }
+        PolygonError::Clockwise { .. } => (
+            "domain.vertices".to_string(),
+            "reverse them: the domain lies on the left of each edge",
+        ),
+        PolygonError::TooThin { vertex } => (
+            format!("domain.vertices.{vertex}"),
+            "widen the polygon, or give triangles = [[i, j, k], ...]",
+        ),
+    };
+    // Vertices in messages count from 0, as in `triangles`.
+    reading.error(&key, error.to_string(), hint)
+}
+
+// `shape = "mesh"`: a gmsh file beside the scene file.
+
+/// Largest mesh file, 64 MiB; a coarse mesh has a few thousand cells.
+const LARGEST_FILE: u64 = 64 << 20;
+
+/// Adds the text of the mesh file that the domain names, unless present.
+pub(crate) fn with_mesh(source: Source, spans: &Spans, table: &DeTable<'_>) -> Result<Source> {
+    let word = |key| table.get("domain")?.get_ref().get(key)?.get_ref().as_str();
+    let (Some("mesh"), Some(file), None) = (word("shape"), word("file"), &source.mesh) else {
+        return Ok(source);
+    };
+    let path = path_of(&source, file);
+    let inside = source.beside.iter().find(|(name, _)| *name == file);
+    match inside.map_or_else(|| text(&path), |(_, text)| Ok((*text).to_owned())) {
+        Ok(mesh) => Ok(source.with_mesh(mesh)),
+        Err((reason, hint)) => {
+            let message = format!("cannot read the mesh {}: {reason}", path.display());
+            Err(SceneError::at(&source, spans.value("domain.file"), message, hint))
+        }
+    }
+}
+
+fn path_of(source: &Source, file: &str) -> PathBuf {
+    source.path.parent().unwrap_or(Path::new("")).join(file)
+}
+
+pub(super) fn mesh_file(reading: &Reading, dimension: usize) -> Result<CoarseMesh> {
+    let path = path_of(reading.source, &reading.required::<String>("domain.file")?);
+    let text = reading.source.mesh.as_deref().unwrap_or_default();
+    let mesh = read_gmsh(text).map_err(|error| {
+        let message = format!("the mesh file, {error}");
+        let hint = error.fault.hint();
+        SceneError::at(&Source::from_text(path.clone(), text), error.span, message, hint)
+    })?;
+    let cells = match mesh.dimension {
+        found if found == dimension => return Ok(mesh),
+        3 => "tetrahedra, and dimension = 2",
+        _ => "triangles and no tetrahedra, and dimension = 3",
+    };
+    let message = format!("the mesh {} has {cells}", path.display());
+    let hint = "write the other dimension, or export the elements of this one from gmsh";
+    Err(reading.error("domain.file", message, hint))
+}
+
+fn text(path: &Path) -> Result<String, (String, &'static str)> {
+    let hint = "give the path of a gmsh file (.msh, ASCII), relative to the folder of the scene";
+    let bytes =
+        read_file_up_to(path, LARGEST_FILE).map_err(|error| (error.source.to_string(), hint))?;
+    String::from_utf8(bytes).map_err(|error| {
+        let head = error.as_bytes().split(|byte| *byte == b'\n').nth(1);
+        if head.is_some_and(|head| head.split(|byte| *byte == b' ').nth(1) == Some(b"1")) {
+            return (Fault::Binary.to_string(), Fault::Binary.hint());
+        }
+        let byte = error.utf8_error().valid_up_to();
+        (format!("byte {byte} is not text"), "write names of groups in UTF-8, or without accents")
+    })
 }

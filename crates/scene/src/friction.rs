@@ -5,10 +5,10 @@ use exact::FrictionBound;
 use fem::contact::BoundaryRule as ContactQuadrature;
 use formula::{EvaluationPoint, Node};
 
-use super::diagnostic::SceneError;
 use super::domain::{Domain, Face, place};
 use super::law::Law;
 use super::reading::{Reading, in_time};
+use super::source::Result;
 use super::time::Time;
 
 /// Intervals of a side in the plane and in space, and of [0, T], at whose ends the bound is examined.
@@ -33,7 +33,7 @@ impl Friction {
         domain: &Domain,
         time: &Time,
         normal: (Option<&Law>, ContactQuadrature),
-    ) -> Result<Self, SceneError> {
+    ) -> Result<Self> {
         one_tangent_a_vertex(reading, domain)?;
         let bound = match reading.has_parts(BOUND) {
             false => given(reading, domain, time)?,
@@ -65,7 +65,7 @@ impl Friction {
 }
 
 /// S(x, t), finite and nonnegative at the samples.
-fn given(reading: &mut Reading, domain: &Domain, time: &Time) -> Result<FrictionBound, SceneError> {
+fn given(reading: &mut Reading, domain: &Domain, time: &Time) -> Result<FrictionBound> {
     let d = domain.dimension();
     let scope = reading.space_and_time(d);
     let node = reading.formula(BOUND, &scope)?;
@@ -87,7 +87,7 @@ fn given(reading: &mut Reading, domain: &Domain, time: &Time) -> Result<Friction
 fn coulomb(
     reading: &mut Reading,
     (law, quadrature): (Option<&Law>, ContactQuadrature),
-) -> Result<f64, SceneError> {
+) -> Result<f64> {
     let key = "contact.friction.bound.coefficient";
     let scope = reading.scope(&[]);
     let node = reading.formula(key, &scope)?;
@@ -127,7 +127,7 @@ fn coulomb(
     Ok(coefficient)
 }
 
-fn slip(reading: &Reading) -> Result<Vec<[f64; 2]>, SceneError> {
+fn slip(reading: &Reading) -> Result<Vec<[f64; 2]>> {
     let key = "contact.friction.bound.points";
     let points = reading.points(key, "[r, S(r)]")?;
     for (index, &[r, bound]) in points.iter().enumerate() {
@@ -148,7 +148,7 @@ fn slip(reading: &Reading) -> Result<Vec<[f64; 2]>, SceneError> {
 
 /// u_τ takes the unknowns left by u_ν: a vertex between two contact sides has too few, unless it is clamped. In space
 /// such sides meet along an edge.
-fn one_tangent_a_vertex(reading: &Reading, domain: &Domain) -> Result<(), SceneError> {
+fn one_tangent_a_vertex(reading: &Reading, domain: &Domain) -> Result<()> {
     let of = |sides: &[super::Side]| -> Vec<Face> {
         sides.iter().flat_map(|side| domain.faces(*side)).collect()
     };

@@ -5,12 +5,11 @@ use std::collections::BTreeMap;
 use formula::{EvaluationPoint, Node, Variable};
 
 use super::data::AXES;
-use super::diagnostic::SceneError;
 use super::domain::{Domain, Face, place};
-use super::heading::Hypothesis;
-use super::reading::{Reading, in_time, last};
+use super::reading::{Formula, Reading, in_time, last};
+use super::source::SceneError;
 use super::time::Time;
-use super::values::Formula;
+use super::validated::Hypothesis;
 use files::digits;
 
 /// Intervals of a side at whose ends the gap is examined.

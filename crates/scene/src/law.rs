@@ -1,11 +1,11 @@
 //! The compliance law p = ∂j_ν: piecewise linear or curved, with upward jumps only.
 
-use super::curve;
-use super::diagnostic::SceneError;
-use super::reading::Reading;
-use super::scale::Scale;
-use super::spans::join;
-use exact::LawNumbers;
+use super::domain::{Domain, place};
+use super::gap::finite_on_contact;
+use super::reading::{Reading, join};
+use super::source::Result;
+use exact::{CurveNumbers, LawNumbers};
+use formula::Node;
 use vhi::law::Curve;
 
 /// The kinds of law with their keys; docs/CONTACT-LAWS.md explains them.
@@ -33,7 +33,7 @@ pub struct Law {
 }
 
 impl Law {
-    pub(super) fn validate(reading: &Reading, table: &str) -> Result<Option<Law>, SceneError> {
+    pub(super) fn validate(reading: &Reading, table: &str) -> Result<Option<Law>> {
         let curve = match reading.kind(table, &LAWS)? {
             "none" => return Ok(None),
             "linear" => {
@@ -41,7 +41,7 @@ impl Law {
                 return Ok(Some(Law::graph(vec![[0.0, 0.0]], stiffness, stiffness)));
             }
             "piecewise-linear" => return Law::piecewise_linear(reading, table).map(Some),
-            curved => curve::read(reading, table, curved)?,
+            curved => read_curve(reading, table, curved)?,
         };
         // A curve after an optional jump at r = 0: [0, jump] there, jump + p(r) beyond.
         let (mut points, jump) = (vec![[0.0, 0.0]], join(table, "jump"));
@@ -55,7 +55,7 @@ impl Law {
         Law { points, slope_before, slope_after, curve: None, scale: None }
     }
 
-    fn piecewise_linear(reading: &Reading, table: &str) -> Result<Law, SceneError> {
+    fn piecewise_linear(reading: &Reading, table: &str) -> Result<Law> {
         let key = join(table, "points");
         let points = reading.points(&key, "[r, p(r)]")?;
         let before = reading.finite(&join(table, "slope_before"))?;
@@ -67,7 +67,7 @@ impl Law {
         Ok(law)
     }
 
-    fn check_order(&self, reading: &Reading, table: &str) -> Result<(), SceneError> {
+    fn check_order(&self, reading: &Reading, table: &str) -> Result<()> {
         for (index, pair) in self.points.windows(2).enumerate() {
             let key = format!("{table}.points.{}", index + 1);
             admissible(reading, &key, pair[0], pair[1])?;
@@ -128,7 +128,7 @@ impl Law {
             points: self.points.clone(),
             slope_before: self.slope_before,
             slope_after: self.slope_after,
-            curve: self.curve.map(curve::numbers),
+            curve: self.curve.map(curve_numbers),
         }
     }
 
@@ -144,7 +144,7 @@ fn admissible(
     key: &str,
     [r, p]: [f64; 2],
     [next_r, next_p]: [f64; 2],
-) -> Result<(), SceneError> {
+) -> Result<()> {
     let message = format!("the abscissa {next_r} comes after {r}: points must be sorted");
     reading.refuse_if(next_r < r, key, message, "sort the points by their first number")?;
     let message = format!("the point [{r}, {p}] is given twice");
@@ -159,6 +159,94 @@ fn admissible(
     let message = format!("the slope from [{r}, {p}] to [{next_r}, {next_p}] is not finite");
     let hint = "give the points one abscissa for a jump upward, or set them apart";
     reading.refuse_if(endless, key, message, hint)
+}
+
+// Curved laws: rational, exponential, and a power continued by its tangent. All that a scene says of one is here.
+
+/// Largest exponent integrated exactly between kinks: with a hat function and the 8 Gauss points of the exact rule, 14
+/// + 1 = 15.
+const EXACT_EXPONENT: f64 = 14.0;
+
+/// A curve: of kind `rational`, `exponential` or `power`.
+fn read_curve(reading: &Reading, table: &str, kind: &str) -> Result<Curve> {
+    let positive = |name: &str| reading.positive(&join(table, name));
+    match kind {
+        "power" => power(reading, table),
+        "rational" => {
+            Ok(Curve::Rational { stiffness: positive("stiffness")?, length: positive("length")? })
+        }
+        _ => Ok(Curve::Exponential {
+            stiffness: positive("stiffness")?,
+            length: positive("length")?,
+        }),
+    }
+}
+
+/// The numbers of a curve for the manufactured side.
+fn curve_numbers(curve: Curve) -> CurveNumbers {
+    match curve {
+        Curve::Rational { stiffness: c, length } => CurveNumbers::Rational { c, r0: length },
+        Curve::Exponential { stiffness: c, length } => CurveNumbers::Exponential { c, r0: length },
+        Curve::Power { coefficient: c, exponent: m, until } => {
+            CurveNumbers::Power { c, m, r1: until }
+        }
+    }
+}
+
+fn power(reading: &Reading, table: &str) -> Result<Curve> {
+    let positive = |name: &str| reading.positive(&join(table, name));
+    let coefficient = positive("coefficient")?;
+    let fits = |exponent: f64| exponent >= 1.0 && exponent.is_finite();
+    let fault = "is not at least 1: below it the slope of the law is infinite at r = 0";
+    let range = [fault, "give an exponent of at least 1"];
+    let exponent = reading.number(&join(table, "exponent"), fits, range)?;
+    let until = positive("until")?;
+    let slope = coefficient * exponent * until.powf(exponent - 1.0);
+    let message = format!("the slope of the law at r = {until} is {slope}");
+    let hint = "(2.8b) asks for linear growth: lower `until` or `exponent`";
+    reading.refuse_if(!slope.is_finite(), &join(table, "until"), message, hint)?;
+    Ok(Curve::Power { coefficient, exponent, until })
+}
+
+/// Whether Gauss points between kinks integrate p to rounding.
+pub(super) fn has_exact_rule(curve: Curve) -> bool {
+    match curve {
+        Curve::Rational { .. } | Curve::Exponential { .. } => true,
+        Curve::Power { exponent, .. } => exponent.fract() == 0.0 && exponent <= EXACT_EXPONENT,
+    }
+}
+
+// The factor c(x) of a law that varies in space: c ∂j_ν, c > 0 on Γ3.
+
+/// c(x), and an upper bound.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Scale {
+    /// A formula in x, y (and z).
+    pub formula: Node,
+    /// A proved bound of max c over Γ3, attained but for a relative 1e-7.
+    pub largest: f64,
+}
+
+impl Scale {
+    pub(super) fn validate(reading: &mut Reading, key: &str, domain: &Domain) -> Result<Self> {
+        let formula = finite_on_contact(reading, key, domain)?;
+        let mut largest = 0.0f64;
+        for &side in &domain.contact {
+            for face in domain.faces(side) {
+                let (least, at) = face.largest(&reading.formulas, formula, -1.0);
+                let here = place(&at.into(), domain.dimension());
+                let (value, side) = (-least.attained, domain.name(side));
+                let message = format!("`scale` is {value} at {here} on the side {side}");
+                let hint = "the factor of a law must be positive on every contact side";
+                reading.refuse_if(least.bound >= 0.0, key, message, hint)?;
+                let (most, _) = face.largest(&reading.formulas, formula, 1.0);
+                let message = format!("`scale` has no bound on the side {side}");
+                reading.refuse_if(!most.bound.is_finite(), key, message, hint)?;
+                largest = largest.max(most.bound);
+            }
+        }
+        Ok(Self { formula, largest })
+    }
 }
 
 #[cfg(test)]

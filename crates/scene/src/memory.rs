@@ -1,12 +1,9 @@
 //! `[material.memory]`: the relaxation tensor ℬ(t).
 
+use super::reading::{Formula, Reading, join};
+use super::source::Result;
+use super::time::{Time, TimeRule};
 use formula::{EvaluationPoint, Interval, Node, Scope, Variable};
-
-use super::diagnostic::SceneError;
-use super::kernel::formula_of;
-use super::reading::Reading;
-use super::singular;
-use super::spans::join;
 
 /// A term of ℬ(t)ε = Σ kernel(t) · (2 mu ε + lambda tr(ε) I).
 #[derive(Debug, Clone, PartialEq)]
@@ -52,12 +49,12 @@ pub(super) fn parts(
     region: Option<usize>,
     horizon: f64,
     dimension: usize,
-) -> Result<Option<Vec<Part>>, SceneError> {
+) -> Result<Option<Vec<Part>>> {
     let key = &*key(region);
     if !reading.has(key) {
         return Ok(None);
     }
-    let power = (singular::exponent(reading, key)?, region);
+    let power = (singular_exponent(reading, key)?, region);
     let has = |name: &str| reading.has(&join(key, name));
     let apart = has("bulk") || has("shear");
     match (has("kernel"), has("lambda") || has("mu")) {
@@ -108,12 +105,12 @@ impl Part {
 }
 
 /// A kernel, or the factor of one, with a proved bound on [0, T].
-fn validated(reading: &mut Reading, key: &str, horizon: f64) -> Result<Node, SceneError> {
+fn validated(reading: &mut Reading, key: &str, horizon: f64) -> Result<Node> {
     let formula = formula_of(reading, key)?;
     let kernel = reading.compiled(key, &formula, &Scope::new(&[Variable::T]))?;
     let start = [EvaluationPoint::default()];
     reading.everywhere((key, kernel), start, f64::is_finite, |_, value| {
-        (format!("the memory kernel is {value} at t = 0"), singular::way_out("the kernel"))
+        (format!("the memory kernel is {value} at t = 0"), singular_way_out("the kernel"))
     })?;
     let over = Interval::new(0.0, horizon);
     let found = reading.formulas.largest_modulus(kernel, Variable::T, over);
@@ -153,4 +150,97 @@ pub(super) fn terms(
         });
     }
     terms
+}
+
+// Memory kernels by name: a table in place of a formula in t.
+
+/// `{ kind = "exponential", amplitude = a, time = τ }`: a exp(-t/τ); `{ kind = "prony", terms = [[a_1, τ_1], …] }`: Σ
+/// a_i exp(-t/τ_i); `{ kind = "power", amplitude = a, time = τ, exponent = p }`: a (1 + t/τ)^{-p}, which is smooth on
+/// [0, T].
+pub(super) const KERNELS: [(&str, &str); 3] =
+    [("exponential", "amplitude time"), ("prony", "terms"), ("power", "amplitude time exponent")];
+
+/// The formula of a kernel, given directly or by a table.
+pub(super) fn formula_of(reading: &Reading, key: &str) -> Result<Formula> {
+    if !reading.has_parts(key) {
+        return reading.required(key);
+    }
+    let kind = reading.kind(key, &KERNELS)?;
+    if kind == "prony" {
+        return prony(reading, &join(key, "terms"));
+    }
+    let amplitude = reading.finite(&join(key, "amplitude"))?;
+    let time = reading.positive(&join(key, "time"))?;
+    if kind == "exponential" {
+        return Ok(Formula(decay(amplitude, time)));
+    }
+    let exponent = reading.finite(&join(key, "exponent"))?;
+    Ok(Formula(format!("({amplitude:?})*(1 + t/({time:?}))^(-({exponent:?}))")))
+}
+
+fn decay(amplitude: f64, time: f64) -> String {
+    // The literal rate, so that the formula is recognised as this exponential.
+    format!("({amplitude:?})*exp(-({:?})*t)", 1.0 / time)
+}
+
+fn prony(reading: &Reading, key: &str) -> Result<Formula> {
+    let terms = reading.entries(key)?;
+    let hint = "for instance: terms = [[-0.5, 0.2], [-0.3, 2.0]]";
+    reading.refuse_if(terms.is_empty(), key, "a Prony series without terms", hint)?;
+    let term = |index| {
+        let at = format!("{key}.{index}");
+        reading.entries_of(&at, 2, "a term is a pair [amplitude, time], as in [-0.5, 0.2]")?;
+        let amplitude = reading.finite(&format!("{at}.0"))?;
+        Ok(decay(amplitude, reading.positive(&format!("{at}.1"))?))
+    };
+    Ok(Formula(terms.map(term).collect::<Result<Vec<_>, _>>()?.join(" + ")))
+}
+
+// `singular`: the exponent of kernels that are infinite at s = t.
+
+/// The way out for a kernel that is infinite at lag zero, by the key of its formula.
+pub(super) fn singular_way_out(formula: &str) -> String {
+    format!(
+        "a kernel (t - s)^(-a) b, 0 < a < 1, is integrable: give b as {formula} and singular = a beside it, with rule = \"product-integration\" under [time]"
+    )
+}
+
+/// The a of a kernel (t - s)^{-a} b at a table, or 0.
+///
+/// # Errors
+/// An exponent that is not between 0 and 1.
+pub(super) fn singular_exponent(reading: &Reading, table: &str) -> Result<f64> {
+    let key = join(table, "singular");
+    let hint = "the kernel is t^(-singular) times its formula; from 1 on it has no integral, and without the key it is the formula";
+    let given = reading.has(&key).then(|| reading.share(&key, hint)).transpose()?;
+    Ok(given.unwrap_or(0.0))
+}
+
+/// The distinct exponents p of kernels t^{-p} b, with the factor T^{a-p} that bounds each by one with the largest, a,
+/// which comes last; also for their last weights k^{1-p}/((1-p)(2-p)). Plain kernels, p = 0, are left out.
+pub(crate) fn in_the_largest(
+    exponents: impl Iterator<Item = f64>,
+    horizon: f64,
+) -> Vec<(f64, f64)> {
+    let mut powers: Vec<f64> = exponents.filter(|&power| power > 0.0).collect();
+    powers.sort_by(f64::total_cmp);
+    powers.dedup();
+    let most = powers.last().copied().unwrap_or(0.0);
+    powers.into_iter().map(|power| (power, horizon.powf(most - power))).collect()
+}
+
+/// Refuses rules that evaluate a kernel at s = t where it is infinite; `key` is that of the exponent.
+///
+/// # Errors
+/// Any rule but product integration.
+pub(super) fn needs_product_integration(
+    reading: &Reading,
+    time: &Time,
+    singular: Option<String>,
+) -> Result<()> {
+    let Some(key) = singular else { return Ok(()) };
+    let message =
+        "a kernel with `singular` is infinite at s = t, where this time rule takes its value";
+    let hint = "add to [time]: rule = \"product-integration\", which integrates the power";
+    reading.refuse_if(time.rule != TimeRule::ProductIntegration, &key, message, hint)
 }

@@ -1,18 +1,16 @@
 //! One reading of a scene file: the text, its positions, its numbers, and the formulas compiled so far.
 
-use std::ops::Range;
-
-use serde::de::IgnoredAny;
-
-use formula::{EvaluationPoint, Graph, Node, Scope, Variable};
-use toml::de::DeTable;
-
 use super::data::AXES;
-use super::diagnostic::SceneError;
-use super::heading::Hypothesis;
-use super::source::Source;
-use super::spans::Spans;
-use super::values::Formula;
+use super::source::{Result, SceneError, Source};
+use super::validated::Hypothesis;
+use formula::{EvaluationPoint, Graph, Node, Scope, Variable};
+use serde::Deserialize;
+use serde::de::{DeserializeOwned, IgnoredAny};
+use std::collections::BTreeMap;
+use std::ops::Range;
+use strsim::osa_distance;
+use toml::Spanned;
+use toml::de::{DeTable, DeValue, ValueDeserializer};
 
 pub(super) struct Reading<'a> {
     pub source: &'a Source,
@@ -53,7 +51,7 @@ impl<'a> Reading<'a> {
         key: &str,
         message: impl ToString,
         hint: impl Into<String>,
-    ) -> Result<(), SceneError> {
+    ) -> Result<()> {
         if fault { Err(self.error(key, message.to_string(), hint)) } else { Ok(()) }
     }
 
@@ -78,12 +76,12 @@ impl<'a> Reading<'a> {
     }
 
     /// The number at a key.
-    pub(crate) fn finite(&self, key: &str) -> Result<f64, SceneError> {
+    pub(crate) fn finite(&self, key: &str) -> Result<f64> {
         self.finite_number(key, self.required(key)?)
     }
 
     /// The number at a key, above 0.
-    pub(crate) fn positive(&self, key: &str) -> Result<f64, SceneError> {
+    pub(crate) fn positive(&self, key: &str) -> Result<f64> {
         self.positive_number(key, self.required(key)?)
     }
 
@@ -93,20 +91,20 @@ impl<'a> Reading<'a> {
         key: &str,
         fits: impl Fn(f64) -> bool,
         [fault, hint]: [&str; 2],
-    ) -> Result<f64, SceneError> {
+    ) -> Result<f64> {
         self.fitting(key, self.required(key)?, fits, [fault, hint])
     }
 
     /// The number at a key, between 0 and 1.
-    pub(crate) fn share(&self, key: &str, hint: &str) -> Result<f64, SceneError> {
+    pub(crate) fn share(&self, key: &str, hint: &str) -> Result<f64> {
         self.number(key, |share| share > 0.0 && share < 1.0, ["is not between 0 and 1", hint])
     }
 
-    pub(crate) fn finite_number(&self, key: &str, value: f64) -> Result<f64, SceneError> {
+    pub(crate) fn finite_number(&self, key: &str, value: f64) -> Result<f64> {
         self.fitting(key, value, f64::is_finite, ["is not finite", "give a finite number"])
     }
 
-    pub(crate) fn positive_number(&self, key: &str, value: f64) -> Result<f64, SceneError> {
+    pub(crate) fn positive_number(&self, key: &str, value: f64) -> Result<f64> {
         let value = self.finite_number(key, value)?;
         self.fitting(key, value, |value| value > 0.0, ["is not positive", "give a number above 0"])
     }
@@ -117,13 +115,13 @@ impl<'a> Reading<'a> {
         value: f64,
         fits: impl Fn(f64) -> bool,
         [fault, hint]: [&str; 2],
-    ) -> Result<f64, SceneError> {
+    ) -> Result<f64> {
         let message = format!("`{}` = {value} {fault}", last(key));
         self.refuse_if(!fits(value), key, message, hint).map(|()| value)
     }
 
     /// A whole number from 1 to 2³¹ - 1.
-    pub(crate) fn count(&self, key: &str) -> Result<u32, SceneError> {
+    pub(crate) fn count(&self, key: &str) -> Result<u32> {
         let value: i64 = self.required(key)?;
         let count = i32::try_from(value).ok().filter(|&count| count >= 1);
         count.map(i32::unsigned_abs).ok_or_else(|| {
@@ -132,7 +130,7 @@ impl<'a> Reading<'a> {
         })
     }
 
-    pub(crate) fn seed(&self, key: &str) -> Result<u64, SceneError> {
+    pub(crate) fn seed(&self, key: &str) -> Result<u64> {
         let value: i64 = self.required(key)?;
         let negative = format!("the seed {value} is negative");
         let hint = "give a whole number, 0 or above";
@@ -140,7 +138,7 @@ impl<'a> Reading<'a> {
     }
 
     /// An increasing pair of counts, if it is there: the window of an order.
-    pub(crate) fn window(&self, key: &str) -> Result<Option<[u32; 2]>, SceneError> {
+    pub(crate) fn window(&self, key: &str) -> Result<Option<[u32; 2]>> {
         match self.optional::<Vec<i64>>(key)?.as_deref() {
             None => Ok(None),
             Some([first, last]) if first <= last => {
@@ -154,7 +152,7 @@ impl<'a> Reading<'a> {
     }
 
     /// Points of a graph; `form` names their two numbers.
-    pub(crate) fn points(&self, key: &str, form: &str) -> Result<Vec<[f64; 2]>, SceneError> {
+    pub(crate) fn points(&self, key: &str, form: &str) -> Result<Vec<[f64; 2]>> {
         let count = self.required::<Vec<IgnoredAny>>(key)?.len();
         let hint = format!("a point is two finite numbers: {form}");
         (0..count).map(|index| self.pair(&format!("{key}.{index}"), &hint)).collect()
@@ -175,12 +173,7 @@ impl<'a> Reading<'a> {
     }
 
     /// Compiles a formula; an error points into its text.
-    pub(crate) fn compiled(
-        &mut self,
-        key: &str,
-        formula: &Formula,
-        scope: &Scope,
-    ) -> Result<Node, SceneError> {
+    pub(crate) fn compiled(&mut self, key: &str, formula: &Formula, scope: &Scope) -> Result<Node> {
         self.formulas.parse(&formula.0, scope).map_err(|error| {
             let hint = error.hint.unwrap_or_else(|| "correct the formula".to_string());
             let span = self.inside(key, &formula.0, error.span);
@@ -189,7 +182,7 @@ impl<'a> Reading<'a> {
     }
 
     /// The formula at a key.
-    pub(crate) fn formula(&mut self, key: &str, scope: &Scope) -> Result<Node, SceneError> {
+    pub(crate) fn formula(&mut self, key: &str, scope: &Scope) -> Result<Node> {
         self.compiled(key, &self.required(key)?, scope)
     }
 
@@ -199,7 +192,7 @@ impl<'a> Reading<'a> {
         key: &str,
         dimension: usize,
         scope: &Scope,
-    ) -> Result<Vec<Node>, SceneError> {
+    ) -> Result<Vec<Node>> {
         self.components(key, &self.required::<Vec<Formula>>(key)?, dimension, scope)
     }
 
@@ -210,7 +203,7 @@ impl<'a> Reading<'a> {
         formulas: &[Formula],
         dimension: usize,
         scope: &Scope,
-    ) -> Result<Vec<Node>, SceneError> {
+    ) -> Result<Vec<Node>> {
         let (name, count) = (last(key), formulas.len());
         let message = format!("`{name}` has {count} components in dimension {dimension}");
         let hint = format!("give {dimension} formulas, one a component");
@@ -226,8 +219,8 @@ impl<'a> Reading<'a> {
     pub(crate) fn if_given<T>(
         &mut self,
         key: &str,
-        read: impl FnOnce(&mut Self, &str) -> Result<T, SceneError>,
-    ) -> Result<Option<T>, SceneError> {
+        read: impl FnOnce(&mut Self, &str) -> Result<T>,
+    ) -> Result<Option<T>> {
         if self.has(key) { read(self, key).map(Some) } else { Ok(None) }
     }
 
@@ -238,7 +231,7 @@ impl<'a> Reading<'a> {
         points: impl IntoIterator<Item = EvaluationPoint>,
         fits: impl Fn(f64) -> bool,
         refusal: impl Fn(&EvaluationPoint, f64) -> (String, H),
-    ) -> Result<(), SceneError> {
+    ) -> Result<()> {
         let values = points.into_iter().map(|at| (at, self.formulas.evaluate(node, &at)));
         match values.into_iter().find(|(_, value)| !fits(*value)) {
             None => Ok(()),
@@ -279,4 +272,506 @@ pub(super) fn evenly(from: f64, to: f64, intervals: u32) -> impl Iterator<Item =
 
 pub(super) fn last(key: &str) -> &str {
     key.rsplit('.').find(|part| part.parse::<usize>().is_err()).unwrap_or(key)
+}
+
+// Enumerated words, with suggestions for unknown ones.
+
+impl Reading<'_> {
+    /// The value that the word at a key names.
+    ///
+    /// # Errors
+    /// No word, or an unknown one; the message lists the known ones, nearest first.
+    pub(super) fn choice<T: Copy>(&self, key: &str, known: &[(&str, T)]) -> Result<T> {
+        self.named(key, &self.required::<String>(key)?, known)
+    }
+
+    /// The value that the word at a key names, or that without the key.
+    ///
+    /// # Errors
+    /// An unknown word.
+    pub(super) fn choice_or<T: Copy>(
+        &self,
+        key: &str,
+        known: &[(&str, T)],
+        without: T,
+    ) -> Result<T> {
+        if self.has(key) { self.choice(key, known) } else { Ok(without) }
+    }
+
+    /// The value that a word at a key names.
+    ///
+    /// # Errors
+    /// An unknown word.
+    pub(super) fn named<T: Copy>(&self, key: &str, word: &str, known: &[(&str, T)]) -> Result<T> {
+        if let Some((_, value)) = known.iter().find(|(name, _)| *name == word) {
+            return Ok(*value);
+        }
+        let names = || known.iter().map(|(name, _)| *name);
+        let list = names().collect::<Vec<_>>().join(", ");
+        let hint = match nearest(word, names()) {
+            Some(meant) => format!("did you mean `{meant}`? known: {list}"),
+            None => format!("known: {list}"),
+        };
+        let subject = last(key);
+        Err(self.error(key, format!("unknown value `{word}` of `{subject}`"), hint))
+    }
+}
+
+// Values of a scene file by dotted name: `contact.law.stiffness`, `predicts.0.order`.
+
+impl Reading<'_> {
+    /// Whether the file has the key.
+    pub(super) fn has(&self, key: &str) -> bool {
+        self.at(key).is_some()
+    }
+
+    /// Whether the value at a key is a table or a list, in place of a text or a number.
+    pub(super) fn has_parts(&self, key: &str) -> bool {
+        self.at(key)
+            .is_some_and(|value| matches!(value.get_ref(), DeValue::Table(_) | DeValue::Array(_)))
+    }
+
+    /// The value at a key, if there is one.
+    ///
+    /// # Errors
+    /// A value of another type.
+    pub(super) fn optional<T: DeserializeOwned>(&self, key: &str) -> Result<Option<T>> {
+        let read = |value: &Spanned<DeValue<'_>>| {
+            T::deserialize(ValueDeserializer::from(value.clone()))
+                .map_err(|error| wrong_type(self.source, self.spans, &error))
+        };
+        self.at(key).map(read).transpose()
+    }
+
+    /// The value of a key that must be there.
+    ///
+    /// # Errors
+    /// No value, or one of another type.
+    pub(super) fn required<T: DeserializeOwned>(&self, key: &str) -> Result<T> {
+        self.optional(key)?.ok_or_else(|| missing_key(self, key))
+    }
+
+    /// The numbers of the entries of a list; none without the key.
+    pub(super) fn entries(&self, key: &str) -> Result<Range<usize>> {
+        let list: Vec<IgnoredAny> = self.optional(key)?.unwrap_or_default();
+        Ok(0..list.len())
+    }
+
+    /// The numbers of the entries of a list that must have so many.
+    pub(super) fn entries_of(&self, key: &str, count: usize, hint: &str) -> Result<Range<usize>> {
+        let found = self.required::<Vec<IgnoredAny>>(key)?.len();
+        let message = format!("`{}` has {found} entries, but {count} are expected", last(key));
+        self.refuse_if(found != count, key, message, hint).map(|()| 0..count)
+    }
+
+    /// So many finite numbers.
+    pub(super) fn numbers(&self, key: &str, count: usize, hint: &str) -> Result<Vec<f64>> {
+        self.entries_of(key, count, hint)?.map(|i| self.finite(&format!("{key}.{i}"))).collect()
+    }
+
+    /// Two finite numbers.
+    pub(super) fn pair(&self, key: &str, hint: &str) -> Result<[f64; 2]> {
+        let numbers = self.numbers(key, 2, hint)?;
+        Ok([numbers[0], numbers[1]])
+    }
+
+    /// A square matrix, row by row.
+    pub(super) fn matrix(&self, key: &str, order: usize, hint: &str) -> Result<Vec<Vec<f64>>> {
+        let row = |i| self.numbers(&format!("{key}.{i}"), order, hint);
+        self.entries_of(key, order, hint)?.map(row).collect()
+    }
+
+    /// Refuses a matrix that is not symmetric.
+    pub(super) fn symmetric(&self, key: &str, rows: &[Vec<f64>]) -> Result<()> {
+        for (i, row) in rows.iter().enumerate() {
+            if let Some(j) = (0..i).find(|&j| row[j] != rows[j][i]) {
+                let (above, below, i, j) = (rows[j][i], row[j], i + 1, j + 1);
+                let message = format!(
+                    "not symmetric: entry ({j}, {i}) is {above}, entry ({i}, {j}) is {below}"
+                );
+                return Err(self.error(key, message, "give both entries the same number"));
+            }
+        }
+        Ok(())
+    }
+
+    /// Refuses keys of a table, if it is there, other than the known ones; spaces separate them.
+    pub(super) fn keys(&self, table: &str, known: &str) -> Result<()> {
+        let given: BTreeMap<String, IgnoredAny> = match table {
+            "" => self.table.keys().map(|key| (key.to_string(), IgnoredAny)).collect(),
+            _ => self.optional(table)?.unwrap_or_default(),
+        };
+        match given.keys().find(|key| !known.split(' ').any(|name| name == *key)) {
+            Some(key) => Err(unknown_key(self, table, key, &known.replace(' ', ", "))),
+            None => Ok(()),
+        }
+    }
+
+    /// The kind of a table, one of those known. Each comes with its keys, separated by spaces; keys of other kinds are
+    /// refused.
+    pub(super) fn kind(&self, table: &str, kinds: Kinds) -> Result<&'static str> {
+        self.keys(table, &of_any(kinds))?;
+        let known: Vec<_> = kinds.iter().map(|(kind, _)| (*kind, *kind)).collect();
+        let kind = self.choice(&join(table, "kind"), &known)?;
+        self.only(table, ("kind", kind), kinds)?;
+        Ok(kind)
+    }
+
+    /// Refuses keys of a table that other kinds have, and this one has not.
+    pub(super) fn only(
+        &self,
+        table: &str,
+        (word, kind): (&str, &str),
+        kinds: &[(&str, &str)],
+    ) -> Result<()> {
+        let has = |keys: &str, key: &str| keys.split(' ').any(|known| known == key);
+        let own = |key: &str| kinds.iter().any(|(name, keys)| *name == kind && has(keys, key));
+        for (owner, keys) in kinds {
+            let mut given = keys.split_whitespace().filter(|key| self.has(&join(table, key)));
+            if let Some(key) = given.find(|key| !own(key)) {
+                let hint = format!("remove `{key}`, or write {word} = \"{owner}\"");
+                let message = format!("{word} `{kind}` takes no `{key}`");
+                return Err(self.key_error(&join(table, key), message, hint));
+            }
+        }
+        Ok(())
+    }
+
+    fn at(&self, key: &str) -> Option<&Spanned<DeValue<'_>>> {
+        let mut parts = key.split('.');
+        let first = self.table.get(parts.next()?)?;
+        parts.try_fold(first, |value, part| match value.get_ref() {
+            DeValue::Table(table) => table.get(part),
+            DeValue::Array(list) => list.get(part.parse::<usize>().ok()?),
+            _ => None,
+        })
+    }
+}
+
+/// The kinds of a table with their keys.
+pub(super) type Kinds<'a> = &'a [(&'static str, &'static str)];
+
+/// The keys that a table of some kind may have.
+pub(super) fn of_any(kinds: Kinds) -> String {
+    let mut all = vec!["kind"];
+    for key in kinds.iter().flat_map(|(_, keys)| keys.split_whitespace()) {
+        if !all.contains(&key) {
+            all.push(key);
+        }
+    }
+    all.join(" ")
+}
+
+/// A formula as text; a bare TOML number is a formula too.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(try_from = "toml::Value")]
+pub(crate) struct Formula(pub String);
+
+impl TryFrom<toml::Value> for Formula {
+    type Error = String;
+
+    fn try_from(value: toml::Value) -> Result<Self, String> {
+        match value {
+            toml::Value::String(text) => Ok(Self(text)),
+            toml::Value::Float(number) => Ok(Self(number.to_string())),
+            toml::Value::Integer(number) => Ok(Self(number.to_string())),
+            other => Err(format!(
+                "invalid type: {}, expected a formula in quotes or a number",
+                other.type_str()
+            )),
+        }
+    }
+}
+
+// Positions of the keys of a scene file.
+
+/// Bytes of a key and of its value; for a `[table]`, of its name and its header.
+#[derive(Debug, Clone, PartialEq)]
+struct Place {
+    key: Range<usize>,
+    value: Range<usize>,
+}
+
+/// The position of every key, by dotted name: `exact.multiplier`, `predicts.0.order`, `sweep.n.2`.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Spans {
+    places: BTreeMap<String, Place>,
+}
+
+impl Spans {
+    pub(super) fn of(table: &DeTable<'_>) -> Spans {
+        let mut spans = Spans::default();
+        spans.enter_table("", table);
+        spans
+    }
+
+    /// Bytes of the value at a dotted key; for an absent key, of the nearest containing part.
+    pub fn value(&self, key: &str) -> Range<usize> {
+        self.nearest_place(key).map_or(0..0, |place| place.value.clone())
+    }
+
+    /// Bytes of the key itself, or of the nearest containing part.
+    pub(crate) fn key(&self, key: &str) -> Range<usize> {
+        self.nearest_place(key).map_or(0..0, |place| place.key.clone())
+    }
+
+    /// The dotted name of the table whose header, or inline value, occupies exactly these bytes.
+    pub(super) fn name_at(&self, value: &Range<usize>) -> Option<&str> {
+        self.places
+            .iter()
+            .filter(|(_, place)| place.value == *value)
+            .map(|(name, _)| name.as_str())
+            .max_by_key(|name| name.len())
+    }
+
+    fn nearest_place(&self, key: &str) -> Option<&Place> {
+        let mut name = key;
+        loop {
+            if let Some(place) = self.places.get(name) {
+                return Some(place);
+            }
+            name = &name[..name.rfind('.')?];
+        }
+    }
+
+    fn enter_table(&mut self, parent: &str, table: &DeTable<'_>) {
+        for (key, value) in table {
+            let name = join(parent, key.get_ref());
+            self.enter_value(name, key.span(), value);
+        }
+    }
+
+    fn enter_value(&mut self, name: String, key: Range<usize>, value: &Spanned<DeValue<'_>>) {
+        match value.get_ref() {
+            DeValue::Table(table) => self.enter_table(&name, table),
+            DeValue::Array(array) => {
+                for (index, item) in array.iter().enumerate() {
+                    self.enter_value(join(&name, &index.to_string()), item.span(), item);
+                }
+            }
+            _ => {}
+        }
+        self.places.insert(name, Place { key, value: value.span() });
+    }
+}
+
+pub(super) fn join(parent: &str, key: &str) -> String {
+    if parent.is_empty() { key.to_string() } else { format!("{parent}.{key}") }
+}
+
+// Errors of the TOML reader, in the words of a scene.
+
+/// Types in the words of the TOML reader and of a scene.
+const TYPES: [(&str, &str); 11] = [
+    ("i64", "a whole number"),
+    ("f64", "a number"),
+    ("a boolean", "true or false"),
+    ("a sequence", "a list in [ ]"),
+    ("a map", "a table"),
+    ("map", "a table"),
+    ("sequence", "a list"),
+    ("floating point", "the number"),
+    ("integer", "the number"),
+    ("string", "the string"),
+    ("boolean ", ""),
+];
+
+/// The text is not TOML.
+pub(super) fn syntax(source: &Source, error: &toml::de::Error) -> SceneError {
+    let span = error.span().unwrap_or_default();
+    if error.message() == "duplicate key" {
+        let key = source.text.get(span.clone()).unwrap_or_default();
+        let message = format!("duplicate key `{key}`");
+        let hint = "a part holds each key once: remove one of the two";
+        return SceneError::at(source, span, message, hint);
+    }
+    let message = format!("not TOML: {}", error.message());
+    let hint = "one `key = value` per line, strings in quotes, lists in [ ], parts under [name]";
+    SceneError::at(source, span, message, hint)
+}
+
+/// A key that its table does not have; `table` is empty for a part of the file.
+pub(super) fn unknown_key(reading: &Reading, table: &str, key: &str, known: &str) -> SceneError {
+    let message = match table {
+        "" => format!("unknown part [{key}]"),
+        _ => format!("unknown key `{key}` in {}", heading(table)),
+    };
+    let hint = match nearest(key, known.split(", ")) {
+        Some(meant) => format!("did you mean `{meant}`? known here: {known}"),
+        None => format!("known here: {known}"),
+    };
+    reading.key_error(&join(table, key), message, hint)
+}
+
+/// A key that must be there.
+pub(super) fn missing_key(reading: &Reading, key: &str) -> SceneError {
+    let part = key.split('.').next().unwrap_or(key);
+    if !reading.has(part) {
+        let message = format!("the part [{part}] is missing");
+        return reading.error_at_the_end(message, example(part).unwrap_or("add it"));
+    }
+    let (table, name) = key.rsplit_once('.').unwrap_or(("", key));
+    let hint = example(key)
+        .map_or_else(|| format!("add `{name} = …`"), |line| format!("for instance: {line}"));
+    // `scene.kind` decides which parts a file has, not which keys [scene] has.
+    let words = [join(table, "kind"), join(table, "shape"), table.to_string()];
+    let mut words = words.iter().filter(|word| *word != "scene.kind");
+    let kind = words.find_map(|word| Some((word, reading.optional::<String>(word).ok()??)));
+    let message = match kind {
+        Some((word, kind)) if word == "domain.shape" => {
+            format!("shape `{kind}` needs the key `{name}`")
+        }
+        Some((_, kind)) => format!("kind `{kind}` needs the key `{name}`"),
+        None => format!("{} lacks the key `{name}`", heading(table)),
+    };
+    reading.error(table, message, hint)
+}
+
+/// A value of another type than that of its key.
+pub(super) fn wrong_type(source: &Source, spans: &Spans, error: &toml::de::Error) -> SceneError {
+    let (span, message) = (error.span().unwrap_or_default(), error.message());
+    let name = spans.name_at(&span);
+    let hint = name.and_then(example).map_or_else(
+        || "numbers stand bare, formulas and names in quotes".to_string(),
+        |line| format!("for instance: {line}"),
+    );
+    let message = match message
+        .strip_prefix("invalid type: ")
+        .and_then(|text| text.split_once(", expected "))
+    {
+        Some((found, expected)) => {
+            let subject = name.map(|name| format!("`{name}`: ")).unwrap_or_default();
+            format!("{subject}expected {}, found {}", plain_type(expected), plain_type(found))
+        }
+        None => message.to_string(),
+    };
+    SceneError::at(source, span, message, hint)
+}
+
+fn plain_type(name: &str) -> String {
+    let name = name.trim_end_matches(" as i128");
+    let renamed = TYPES
+        .iter()
+        .find_map(|(theirs, ours)| name.strip_prefix(theirs).map(|rest| format!("{ours}{rest}")));
+    renamed.unwrap_or_else(|| name.to_string())
+}
+
+/// A dotted name of a table as in a message: `[material.memory]`, `[[predicts]]`.
+pub(super) fn heading(part: &str) -> String {
+    match part.rsplit_once('.') {
+        Some((list, index)) if index.parse::<usize>().is_ok() => format!("[[{list}]]"),
+        _ => format!("[{part}]"),
+    }
+}
+
+// Examples of missing parts and keys, for messages.
+
+/// A line to add, by dotted name without list indices; keys of tables that may be in several places by the last two names.
+const LINES: [(&str, &str); 52] = [
+    ("scene", "[scene] holds name, question, dimension"),
+    ("scene.name", "name = \"punch\""),
+    ("scene.question", "question = \"What this scene decides, in one sentence.\""),
+    ("scene.dimension", "dimension = 2"),
+    ("domain", "[domain] holds shape, size, and the sides: clamped, symmetry, traction, contact"),
+    ("domain.shape", "shape = \"rectangle\""),
+    ("domain.size", "size = [1.0, 1.0]"),
+    ("domain.vertices", "vertices = [[0.0, 0.0], [1.0, 0.0], [0.5, 1.0]]"),
+    ("domain.file", "file = \"block.msh\""),
+    ("domain.mesh.kind", "kind = \"structured\""),
+    ("mesh.amplitude", "amplitude = 0.2"),
+    ("mesh.seed", "seed = 1"),
+    ("mesh.corner", "corner = [0.0, 0.0]"),
+    ("mesh.exponent", "exponent = 2.0"),
+    ("time", "[time] holds horizon"),
+    ("time.horizon", "horizon = 1.0"),
+    ("time.grid.kind", "kind = \"uniform\""),
+    ("grid.exponent", "exponent = 2.0"),
+    ("grid.seed", "seed = 1"),
+    ("rule.exponent", "exponent = 0.5"),
+    ("material", "[material] holds lambda and mu_L, or E and nu"),
+    ("kernel.amplitude", "amplitude = 0.5"),
+    ("kernel.time", "time = 0.5"),
+    ("kernel.exponent", "exponent = 0.5"),
+    ("material.memory.kernel", "kernel = \"-exp(-t)\""),
+    ("material.memory.lambda", "lambda = 0.25"),
+    ("material.memory.mu", "mu = 0.25"),
+    ("material.projection.mu", "mu = 1.0"),
+    ("material.projection.kappa", "kappa = \"0.10 + 0.05*zeta\""),
+    ("law.kind", "kind = \"piecewise-linear\""),
+    ("law.stiffness", "stiffness = 2.0"),
+    ("law.length", "length = 0.05"),
+    ("law.coefficient", "coefficient = 2.0"),
+    ("law.exponent", "exponent = 1.5"),
+    ("law.until", "until = 0.1"),
+    ("law.points", "points = [[0.0, 0.0], [0.04, 0.08], [0.10, 0.05]]"),
+    ("law.slope_before", "slope_before = 0.0"),
+    ("law.slope_after", "slope_after = 0.0"),
+    ("bound.points", "points = [[0.0, 0.3], [0.1, 0.28]]"),
+    ("bound.coefficient", "coefficient = \"0.3\""),
+    ("loads.body", "body = [\"0\", \"-3*t*x\"]"),
+    ("exact.u", "u = [\"0.1*sin(t)*(1-y)\", \"0\"]"),
+    ("sweep.n", "n = [8, 16, 32]"),
+    ("sweep.steps", "steps = [8, 16, 32]"),
+    ("sweep.reference.n", "n = 128"),
+    ("sweep.reference.steps", "steps = 64"),
+    ("predicts", "write [[predicts]], with double brackets: there may be several"),
+    ("predicts.norm", "norm = \"V_max\""),
+    ("predicts.variable", "variable = \"h\""),
+    ("predicts.order", "order = 1.0"),
+    ("predicts.why", "why = \"(5.26)\""),
+    ("domain.clamped", "clamped = [\"top\"]"),
+];
+
+/// The line to add for a dotted name such as `predicts.0.order`.
+pub(super) fn example(name: &str) -> Option<&'static str> {
+    let is_index = |part: &&str| part.parse::<usize>().is_err();
+    let plain = name.split('.').filter(is_index).collect::<Vec<_>>().join(".");
+    let ends = plain.rmatch_indices('.').nth(1).map_or("", |(dot, _)| &plain[dot + 1..]);
+    let named = |(known, _): &&(&str, &str)| *known == plain || *known == ends;
+    LINES.iter().find(named).map(|(_, line)| *line)
+}
+
+// Suggestions for misspelt names.
+
+/// The nearest candidate, if near enough.
+pub fn nearest<'a>(name: &str, candidates: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
+    by_distance(name, candidates).into_iter().next()
+}
+
+/// All candidates near enough, nearest first.
+pub(super) fn by_distance<'a>(
+    name: &str,
+    candidates: impl IntoIterator<Item = &'a str>,
+) -> Vec<&'a str> {
+    let name = name.to_lowercase();
+    let mut near: Vec<(usize, &str)> = candidates
+        .into_iter()
+        .filter_map(|candidate| Some((closeness(&name, &candidate.to_lowercase())?, candidate)))
+        .collect();
+    near.sort();
+    near.into_iter().map(|(_, candidate)| candidate).collect()
+}
+
+/// Number of edits between the names (insertions, deletions, substitutions, swaps of neighbours); None if more than a third of the letters differ. A prefix of three letters or
+/// more counts as one edit.
+fn closeness(name: &str, candidate: &str) -> Option<usize> {
+    let shorter = name.len().min(candidate.len());
+    if shorter >= 3 && (name.starts_with(candidate) || candidate.starts_with(name)) {
+        return Some(1);
+    }
+    let edits = osa_distance(name, candidate);
+    let longer = name.chars().count().max(candidate.chars().count());
+    (edits <= longer.div_ceil(3)).then_some(edits).filter(|&edits| edits < longer)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::nearest;
+
+    #[test]
+    fn only_what_may_be_meant_is_offered() {
+        assert_eq!(nearest("quadrture", ["gap", "quadrature"]), Some("quadrature"));
+        assert_eq!(nearest("colour", ["gap", "law"]), None);
+        assert_eq!(nearest("a", ["b"]), None);
+    }
 }

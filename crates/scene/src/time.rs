@@ -1,7 +1,7 @@
 //! `[time]`: the horizon, the family of grids, and all that is said of a rule beside its weights.
 
-use super::diagnostic::SceneError;
 use super::reading::Reading;
+use super::source::Result;
 use vhi::history::{
     self, CorrectedEnd, Gregory, GregoryOrder, GridError, Left, ProductIntegration, Trapezoid,
 };
@@ -129,7 +129,7 @@ impl TimeRule {
 
 impl TimeRule {
     /// `rule = "left"`, or `rule = { kind = "gregory", order = 4 }`.
-    fn validate(reading: &Reading) -> Result<TimeRule, SceneError> {
+    fn validate(reading: &Reading) -> Result<TimeRule> {
         let mut rules = Self::EVERY.map(|rule| (rule.kind().0, rule)).to_vec();
         rules.dedup_by_key(|(kind, _)| *kind);
         let (key, word) = match reading.has_parts("time.rule") {
@@ -158,7 +158,7 @@ impl TimeRule {
 }
 
 impl Time {
-    pub(super) fn validate(reading: &mut Reading) -> Result<Time, SceneError> {
+    pub(super) fn validate(reading: &mut Reading) -> Result<Time> {
         let horizon = reading.positive("time.horizon")?;
         let grid = reading.if_given("time.grid", |reading, _| grid(reading))?;
         let rule = reading.if_given("time.rule", |reading, _| TimeRule::validate(reading))?;
@@ -193,7 +193,7 @@ pub(super) const SMALLER_EXPONENT: &str = "choose fewer steps or a smaller expon
 pub(super) const GRIDS: [(&str, &str); 3] =
     [("uniform", ""), ("graded", "exponent"), ("random", "seed")];
 
-fn grid(reading: &Reading) -> Result<TimeGrid, SceneError> {
+fn grid(reading: &Reading) -> Result<TimeGrid> {
     match reading.kind("time.grid", &GRIDS)? {
         "uniform" => Ok(TimeGrid::Uniform),
         "graded" => {

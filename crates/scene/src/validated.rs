@@ -1,33 +1,28 @@
 //! The scene as validated.
 
-use std::ops::Range;
-use std::path::Path;
-
-use toml::de::DeTable;
-
-use fem::space::Element;
-use formula::{Graph, Variable};
-
-use super::abstract_scene::AbstractScene;
+use super::abstract_scene::{AbstractScene, MOST};
 use super::contact::Contact;
 use super::data::Data;
 use super::definitions::parameters;
-use super::diagnostic::SceneError;
-use super::discretization::element;
-use super::domain::{Domain, with_mesh};
-use super::friction::Friction;
-use super::heading::{self, Expectation, Hypothesis, SceneKind};
-use super::keys;
-use super::law::Law;
-use super::material::Material;
-use super::prediction::Prediction;
-use super::reading::Reading;
-use super::singular::needs_product_integration;
-use super::source::Source;
-use super::spans::Spans;
-use super::sweep::{Sweep, serves, states_are_known};
-use super::time::Time;
-use super::wording;
+use super::domain::{Domain, MESHES, with_mesh};
+use super::friction::{BOUNDS, Friction};
+use super::law::{LAWS, Law};
+use super::material::{Material, TENSORS};
+use super::memory::{KERNELS, needs_product_integration};
+use super::reading::{Kinds, Reading, Spans, of_any, syntax};
+use super::source::{Result, SceneError, Source};
+use super::sweep::{Prediction, Sweep, serves, states_are_known};
+use super::time::{GRIDS, Time, TimeRule};
+use crate::ContactQuadrature;
+use fem::space::Element;
+use formula::{Graph, Variable};
+/// The verdict that a scene must reach.
+pub use judge::verdict::Decision as Expectation;
+use std::fmt;
+use std::ops::Range;
+use std::path::Path;
+use std::sync::Arc;
+use toml::de::DeTable;
 
 /// A scene that satisfies everything that can be checked without a mesh or a solve.
 #[derive(Debug, Clone)]
@@ -112,7 +107,7 @@ impl Scene {
     ///
     /// # Errors
     /// The first fault found, with its place and the way out.
-    pub fn read(path: &Path) -> Result<Scene, SceneError> {
+    pub fn read(path: &Path) -> Result<Scene> {
         Scene::from_source(Source::read(path)?)
     }
 
@@ -120,27 +115,27 @@ impl Scene {
     ///
     /// # Errors
     /// The first fault found, with its place and the way out.
-    pub fn from_source(source: Source) -> Result<Scene, SceneError> {
+    pub fn from_source(source: Source) -> Result<Scene> {
         if is_blank(&source.text) {
             return Err(SceneError::Empty { path: source.path });
         }
         let text = source.text.clone();
-        let table = DeTable::parse(&text).map_err(|error| wording::syntax(&source, &error))?;
+        let table = DeTable::parse(&text).map_err(|error| syntax(&source, &error))?;
         let table = table.get_ref();
         let spans = Spans::of(table);
         let source = with_mesh(source, &spans, table)?;
         let mut reading = Reading::new(&source, &spans, table);
         let kind = SceneKind::validate(&reading)?;
-        keys::refuse_unknown(&reading, kind)?;
-        let name = heading::name(&reading)?;
+        refuse_unknown(&reading, kind)?;
+        let name = name(&reading)?;
         let question = reading.required("scene.question")?;
-        let dimension = heading::dimension(&reading, kind)?;
+        let dimension = dimension(&reading, kind)?;
         let judge = reading.optional("scene.judge")?.unwrap_or(true);
-        let expect = heading::expectation(&reading)?;
+        let expect = expectation(&reading)?;
         let long = reading.optional("scene.long")?.unwrap_or(false);
         let window_n = reading.window("scene.window_n")?;
         let window_steps = reading.window("scene.window_steps")?;
-        reading.violates = heading::violates(&reading)?;
+        reading.violates = violates(&reading)?;
         let Content { time, body, predicts, sweep } = match kind {
             SceneKind::Contact => contact(&mut reading, dimension, judge)?,
             SceneKind::Abstract => abstract_problem(&mut reading, dimension)?,
@@ -185,7 +180,7 @@ impl Scene {
         key: &str,
         message: impl ToString,
         hint: impl Into<String>,
-    ) -> Result<(), SceneError> {
+    ) -> Result<()> {
         if fault { Err(self.error(key, message.to_string(), hint)) } else { Ok(()) }
     }
 
@@ -213,7 +208,7 @@ struct Content {
     sweep: Option<Sweep>,
 }
 
-fn contact(reading: &mut Reading, dimension: usize, judge: bool) -> Result<Content, SceneError> {
+fn contact(reading: &mut Reading, dimension: usize, judge: bool) -> Result<Content> {
     let domain = Domain::validate(reading, dimension)?;
     let time = Time::validate(reading)?;
     let material = Material::validate(reading, time.horizon, &domain)?;
@@ -234,7 +229,7 @@ fn contact(reading: &mut Reading, dimension: usize, judge: bool) -> Result<Conte
     Ok(Content { time, body: Body::Contact(Box::new(body)), predicts, sweep })
 }
 
-fn abstract_problem(reading: &mut Reading, dimension: usize) -> Result<Content, SceneError> {
+fn abstract_problem(reading: &mut Reading, dimension: usize) -> Result<Content> {
     let time = Time::validate(reading)?;
     reading.parameters = parameters(reading)?;
     let body = AbstractScene::validate(reading, time.horizon, dimension)?;
@@ -248,18 +243,13 @@ fn abstract_problem(reading: &mut Reading, dimension: usize) -> Result<Content, 
     Ok(Content { time, body: Body::Abstract(Box::new(body)), predicts, sweep })
 }
 
-fn predictions(reading: &Reading, has_contact: bool) -> Result<Vec<Prediction>, SceneError> {
+fn predictions(reading: &Reading, has_contact: bool) -> Result<Vec<Prediction>> {
     let one = |index| Prediction::validate(reading, index, has_contact);
     reading.entries("predicts")?.map(one).collect()
 }
 
 /// A scene without an exact solution needs a reference run, unless it is neither judged nor swept.
-fn has_truth(
-    reading: &Reading,
-    judge: bool,
-    data: &Data,
-    sweep: Option<&Sweep>,
-) -> Result<(), SceneError> {
+fn has_truth(reading: &Reading, judge: bool, data: &Data, sweep: Option<&Sweep>) -> Result<()> {
     let reference = sweep.and_then(|sweep| sweep.reference);
     let truth = matches!(data, Data::Exact { .. }) || reference.is_some();
     let message =
@@ -267,4 +257,356 @@ fn has_truth(
     let hint = "add to [sweep]: reference = { n = 128, steps = 64 }";
     let key = if sweep.is_some() { "sweep" } else { "loads" };
     reading.refuse_if(!truth && (judge || sweep.is_some()), key, message, hint)
+}
+
+// `[scene]`: the name, the question, and how the scene is judged.
+
+/// A hypothesis that a scene may violate on purpose.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Hypothesis {
+    /// (2.9): α_φ + α_j c_j² < m_A.
+    Smallness,
+    /// g concave on each contact face, so that U^h ⊂ U.
+    ConcaveGap,
+    /// κ Lipschitz, as (5.1) requires.
+    LipschitzKappa,
+    /// (3.4): k below the step-size bound.
+    StepSize,
+    /// q ∈ C² and u ∈ W^{2,∞}(0,T;X), the premises of (3.17) in Theorem 7; (5.15) for the body.
+    RegularInTime,
+    /// (5.25): u(t) ∈ H²(Ω), u_ν(t) ∈ H² on each side of Γ3.
+    RegularInSpace,
+}
+
+impl Hypothesis {
+    const NAMES: [(&str, Hypothesis); 6] = [
+        ("2.9", Hypothesis::Smallness),
+        ("concave_gap", Hypothesis::ConcaveGap),
+        ("5.1", Hypothesis::LipschitzKappa),
+        ("3.4", Hypothesis::StepSize),
+        ("3.17", Hypothesis::RegularInTime),
+        ("5.25", Hypothesis::RegularInSpace),
+    ];
+
+    /// Its name in `violates`.
+    pub fn name(self) -> &'static str {
+        name_in(&Self::NAMES, self)
+    }
+}
+
+/// The name of a value in a table of all of its type.
+pub(super) fn name_in<T: PartialEq>(names: &[(&'static str, T)], value: T) -> &'static str {
+    names.iter().find(|(_, known)| *known == value).map_or("", |(name, _)| name)
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum SceneKind {
+    /// Problem 12: a body in contact.
+    Contact,
+    /// Problem 1 in ℝ^m.
+    Abstract,
+}
+
+impl SceneKind {
+    /// The kind named in a file; by default contact.
+    pub(crate) fn validate(reading: &Reading) -> Result<SceneKind> {
+        let known = [("contact", SceneKind::Contact), ("abstract", SceneKind::Abstract)];
+        reading.choice_or("scene.kind", &known, SceneKind::Contact)
+    }
+}
+
+/// Longest name of a scene, in bytes: file systems allow 255, and pictures and unfinished files add some 30, as in
+/// `NAME-trade-memory.svg.4194304.partial`.
+const LONGEST_NAME: usize = 200;
+
+/// A name becomes part of file names: letters, digits, `-` and `_`.
+pub(super) fn name(reading: &Reading) -> Result<String> {
+    let name: String = reading.required("scene.name")?;
+    let allowed = |c: char| c.is_ascii_alphanumeric() || c == '-' || c == '_';
+    let message = format!("a name of {} characters", name.len());
+    let hint = format!("use at most {LONGEST_NAME}: the name becomes part of file names");
+    reading.refuse_if(name.len() > LONGEST_NAME, "scene.name", message, hint)?;
+    let odd = name.is_empty() || !name.chars().all(allowed);
+    let message = format!("`{name}` cannot name a scene");
+    let hint = "use letters, digits, - and _: the name becomes part of file names";
+    reading.refuse_if(odd, "scene.name", message, hint).map(|()| name)
+}
+
+pub(super) fn dimension(reading: &Reading, kind: SceneKind) -> Result<usize> {
+    let dimension: i64 = reading.required("scene.dimension")?;
+    let (known, message, hint) = match kind {
+        SceneKind::Abstract => (
+            1..=MOST,
+            format!("{dimension} is no dimension of an abstract problem"),
+            format!("X = R^m with m from 1 to {MOST}: matrices are dense"),
+        ),
+        SceneKind::Contact => (
+            2..=3,
+            format!("dimension {dimension} has no contact problem"),
+            "write dimension = 2 (plane strain) or 3".into(),
+        ),
+    };
+    reading.refuse_if(!known.contains(&dimension), "scene.dimension", message, hint)?;
+    Ok(dimension.unsigned_abs() as usize)
+}
+
+pub(super) fn expectation(reading: &Reading) -> Result<Expectation> {
+    let known = [Expectation::Pass, Expectation::Fail, Expectation::Unresolved];
+    let known = known.map(|verdict| (verdict.name(), verdict));
+    reading.choice_or("scene.expect", &known, Expectation::Pass)
+}
+
+pub(super) fn violates(reading: &Reading) -> Result<Vec<Hypothesis>> {
+    let one = |index| reading.choice(&format!("scene.violates.{index}"), &Hypothesis::NAMES);
+    reading.entries("scene.violates")?.map(one).collect()
+}
+
+// What a scene may have beyond the setting of the paper, and commands that leave it out of account.
+
+/// Beyond the paper's kernels without a pole and contact without friction.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Extension {
+    /// `[contact.friction]`.
+    Friction,
+    /// Kernels that are infinite at s = t.
+    SingularKernel,
+}
+
+impl Extension {
+    /// All of them.
+    pub const ALL: [Self; 2] = [Self::Friction, Self::SingularKernel];
+
+    /// The key that asks for it in a scene, its name, and the way out; none where the scene does without.
+    fn asked_by(self, scene: &Scene) -> Option<(String, String, &'static str)> {
+        let body = scene.as_contact();
+        match self {
+            Self::Friction => {
+                let way_out = "run, gate, verify, check, bound and solve do; for this command take a scene without [contact.friction]";
+                body?.friction().map(|_| ("contact.friction".into(), "friction".into(), way_out))
+            }
+            Self::SingularKernel => {
+                let key = match &scene.body {
+                    Body::Contact(body) => body.material.singular_key(),
+                    Body::Abstract(problem) => problem.singular_key(),
+                };
+                let name = "kernels that are infinite at s = t".into();
+                let way_out = "list, check, run, gate, verify, solve, diagnose and gronwall do; for this command remove `singular`";
+                key.map(|key| (key, name, way_out))
+            }
+        }
+    }
+}
+
+impl Scene {
+    /// Refuses a scene with one of these for a command that leaves them out of account, and says why it does.
+    ///
+    /// # Errors
+    /// At the key that asks for the first of them.
+    pub fn without(&self, extensions: &[Extension], command: &str, why: &str) -> Result<()> {
+        match extensions.iter().find_map(|extension| extension.asked_by(self)) {
+            None => Ok(()),
+            Some((key, what, way_out)) => {
+                Err(self.error(&key, format!("`{command}` does not treat {what}: {why}"), way_out))
+            }
+        }
+    }
+}
+
+// `[discretization]`: the element of displacements.
+
+pub(super) const KEY: &str = "discretization.element";
+
+/// The element of a scene of linear elements so far; P1 by default.
+///
+/// # Errors
+/// An unknown element, or one incompatible with a part of the scene.
+pub(super) fn element(reading: &Reading, body: &ContactScene) -> Result<Element> {
+    let known = Element::ALL.map(|known| (known.name(), known));
+    let element = reading.choice_or(KEY, &known, Element::P1)?;
+    match refusal(element, body) {
+        Some([message, hint]) => Err(reading.error(KEY, message, hint)),
+        None => Ok(element),
+    }
+}
+
+/// Why a body cannot have an element, and the way out.
+fn refusal(element: Element, body: &ContactScene) -> Option<[&'static str; 2]> {
+    if element == Element::P1 {
+        return None;
+    }
+    let quadrature = body.contact.as_ref().map(|contact| contact.quadrature);
+    if quadrature.is_some_and(|rule| rule != ContactQuadrature::Vertex) {
+        let message = "P2 integrates the contact law by Simpson's rule on edges, by the midpoints on triangles";
+        return Some([message, "say quadrature = \"vertex\" in [contact], or take P1"]);
+    }
+    if body.domain.dimension() == 3 && body.friction().is_some() {
+        let message = "P2 has no friction in space, where its contact is at midpoints alone";
+        return Some([message, "remove [contact.friction], or take P1"]);
+    }
+    None
+}
+
+impl Scene {
+    /// The scene with another element.
+    ///
+    /// # Errors
+    /// At `discretization.element`, as if the file named the element.
+    pub fn with_element(&self, element: Element) -> Result<Self> {
+        let mut scene = self.clone();
+        if let Body::Contact(body) = &mut scene.body {
+            if let Some([message, hint]) = refusal(element, body) {
+                return Err(self.error(KEY, message, hint));
+            }
+            body.element = element;
+        }
+        Ok(scene)
+    }
+}
+
+// A scene with one thing different: a setting, a term removed, a unit, a parameter.
+
+type Apply = dyn Fn(Scene) -> Result<Scene> + Send + Sync;
+
+/// What is different in a scene, in words, and how to make it so. Changes with equal words are equal.
+#[derive(Clone)]
+pub struct Change {
+    words: String,
+    apply: Arc<Apply>,
+}
+
+impl Change {
+    /// A change that `apply` makes, in a few words: they name it in tables, files and messages.
+    pub fn new(
+        words: impl Into<String>,
+        apply: impl Fn(Scene) -> Result<Scene> + Send + Sync + 'static,
+    ) -> Self {
+        Self { words: words.into(), apply: Arc::new(apply) }
+    }
+
+    /// No change.
+    pub fn none() -> Self {
+        Self::new("as written", Ok)
+    }
+
+    pub fn words(&self) -> &str {
+        &self.words
+    }
+
+    /// The scene that way.
+    ///
+    /// # Errors
+    /// What the scene cannot have, at the key that would say it.
+    pub fn of(&self, scene: &Scene) -> Result<Scene> {
+        (self.apply)(scene.clone())
+    }
+}
+
+impl PartialEq for Change {
+    fn eq(&self, other: &Self) -> bool {
+        self.words == other.words
+    }
+}
+
+impl fmt::Debug for Change {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.words)
+    }
+}
+
+impl serde::Serialize for Change {
+    fn serialize<S: serde::Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.serialize_str(&self.words)
+    }
+}
+
+// The keys of all tables of a scene file. Unknown ones are refused before values are read: a misspelt key is why
+// another is missing.
+
+/// Tables with their keys; `*` is each entry of a list.
+type Tables = &'static [(&'static str, &'static str)];
+
+const OF_ALL: Tables = &[
+    ("scene", "name question kind dimension judge expect long window_n window_steps violates"),
+    ("time", "horizon grid rule"),
+    (
+        "predicts.*",
+        "norm variable order order_k at_least exact constant constant_within constant_why why window_n window_steps",
+    ),
+];
+
+const OF_BODIES: Tables = &[
+    ("", "scene domain time material contact discretization loads exact sweep predicts"),
+    (
+        "domain",
+        "shape size vertices sides points triangles file clamped symmetry traction contact rest mesh",
+    ),
+    ("material", "lambda mu_L E nu elasticity memory projection region"),
+    ("material.memory", MEMORY),
+    ("material.projection", "mu kappa"),
+    ("material.region.*", "name where physical lambda mu_L E nu elasticity memory"),
+    ("material.region.*.memory", MEMORY),
+    ("contact", "gap shift law quadrature friction"),
+    ("contact.friction", "bound"),
+    ("discretization", "element"),
+    ("loads", "body traction"),
+    ("exact", "u multiplier selection friction interpolated form parameters define"),
+    ("sweep", "n steps pairs reference norms by_state"),
+    ("sweep.reference", "n steps"),
+];
+
+const MEMORY: &str = "kernel lambda mu bulk shear singular";
+
+const OF_ABSTRACT: Tables = &[
+    ("", "scene time space operator history phi trace exact sweep predicts"),
+    ("space", "inner_product"),
+    ("operator", "matrix nonlinear"),
+    ("phi", "force"),
+    ("history", "kernels R a_S"),
+    ("history.kernels.*", "q singular matrix"),
+    ("trace.*", "functional weight law upper lower"),
+    ("exact", "u multiplier selection parameters define"),
+    ("sweep", "steps"),
+];
+
+/// Tables whose keys depend on their kind.
+const WITH_KINDS: &[(&str, Kinds)] = &[
+    ("time.grid", &GRIDS),
+    ("domain.mesh", &MESHES),
+    ("material.elasticity", &TENSORS),
+    ("material.memory.kernel", &KERNELS),
+    ("material.memory.bulk", &KERNELS),
+    ("material.memory.shear", &KERNELS),
+    ("material.region.*.elasticity", &TENSORS),
+    ("material.region.*.memory.kernel", &KERNELS),
+    ("material.region.*.memory.bulk", &KERNELS),
+    ("material.region.*.memory.shear", &KERNELS),
+    ("contact.law", &LAWS),
+    ("contact.friction.bound", &BOUNDS),
+    ("trace.*.law", &LAWS),
+];
+
+/// Refuses a key that no table of its name has.
+pub(super) fn refuse_unknown(reading: &Reading, kind: SceneKind) -> Result<()> {
+    let of_kind = match kind {
+        SceneKind::Contact => OF_BODIES,
+        SceneKind::Abstract => OF_ABSTRACT,
+    };
+    for (name, keys) in of_kind.iter().chain(OF_ALL) {
+        for table in tables(reading, name)? {
+            reading.keys(&table, keys)?;
+        }
+    }
+    let rules = ("time.rule", &TimeRule::kinds()[..]);
+    for (name, kinds) in WITH_KINDS.iter().copied().chain([rules]) {
+        for table in tables(reading, name)?.iter().filter(|table| reading.has_parts(table)) {
+            reading.keys(table, &of_any(kinds))?;
+        }
+    }
+    Ok(())
+}
+
+fn tables(reading: &Reading, name: &str) -> Result<Vec<String>> {
+    let Some((list, rest)) = name.split_once(".*") else { return Ok(vec![name.to_string()]) };
+    let of_entry = |i| tables(reading, &format!("{list}.{i}{rest}"));
+    Ok(reading.entries(list)?.map(of_entry).collect::<Result<Vec<_>, _>>()?.concat())
 }

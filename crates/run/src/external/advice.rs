@@ -1,12 +1,11 @@
 //! What to check in an external solver if a verdict does not pass; a finer case seldom helps.
 
+use super::cause::cause_of;
+use super::left::{Cause, Found};
 use fem::space::Element;
 use judge::verdict::{Decision, Variable, Verdict};
 use scene::setup::{MeshData, Scheme, Setup};
-use scene::{Data, LoadForm, Scene};
-
-use super::cause::cause_of;
-use super::left::{Cause, Found};
+use scene::{Body, Data, LoadForm, Scene, SceneError};
 
 /// What becomes of the pressures of a solver beside the verdicts: `handed` over where no claim needs them, or claims that
 /// need them where they are not. A wrong pressure must not pass for one that was judged.
@@ -132,4 +131,25 @@ fn of_every_solver() -> [&'static str; 2] {
         "are the given loads added as they are",
         "is every vertex in its own row, level 0 solved like the others",
     ]
+}
+
+// Scenes whose loads a solver assembles itself.
+
+/// The scene with the loads of the strong form, which are functions: cases then have them beside the assembled ones.
+///
+/// # Errors
+/// A scene whose loads are no functions: one without exact solution, or with u in V^h, whose stress jumps from cell to cell.
+pub fn by_density(mut scene: Scene) -> Result<Scene, SceneError> {
+    let data = scene.as_contact().map(|body| &body.data);
+    let interpolated = data.is_some_and(Data::is_interpolated);
+    let what =
+        "the loads of the scene are no functions: u is in V^h, and its stress jumps between cells";
+    let hint = "leave out --loads, or take a scene of an order in h, such as viscoelastic or state-grazing";
+    scene.refuse_if(interpolated, "exact.interpolated", what, hint)?;
+    if let Body::Contact(body) = &mut scene.body
+        && let Data::Exact { form, .. } = &mut body.data
+    {
+        *form = LoadForm::Strong;
+    }
+    Ok(scene)
 }

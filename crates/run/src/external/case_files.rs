@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use serde_json::{Value, json};
 
-use super::npy::{Array, encode};
+use super::answer::{Array, encode};
 use fem::contact::{CaseError, Discretization, LoadError, OnContactInTime, Support};
 use fem::space::quadrature::Rule;
 use files::replace_file;

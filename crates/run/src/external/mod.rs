@@ -3,38 +3,25 @@
 
 mod advice;
 mod answer;
-mod bounded;
-mod by_density;
 mod case_files;
 mod cause;
-mod error;
-mod group;
 mod in_process;
 mod left;
-mod log;
-mod npy;
 mod process;
 mod touch;
-mod wanted;
 
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
-pub use self::advice::{look_for_cause, on_pressures, solver_first};
-pub use self::answer::read_displacements;
+pub use self::advice::{by_density, look_for_cause, on_pressures, solver_first};
+pub use self::answer::{AnswerError, Array, NpyError, Wanted, decode, encode, read_displacements};
+pub(crate) use self::answer::{DISPLACEMENT, DISPLACEMENT_TABLE, PRESSURE};
 use self::answer::{read_pressures, read_until};
-pub use self::by_density::by_density;
 pub use self::case_files::{ContactRow, DENSITIES, Given, case_dir, write_case};
 pub use self::cause::cause_of;
-pub use self::error::AnswerError;
-pub use self::group::end_solvers;
 pub use self::in_process::{Answer, InProcess, Solve};
 pub use self::left::{Cause, Found};
-pub use self::log::{LOG, last_lines};
-pub use self::npy::{Array, NpyError, decode, encode};
-pub use self::process::ProcessError;
-pub use self::wanted::Wanted;
-pub(crate) use self::wanted::{DISPLACEMENT, DISPLACEMENT_TABLE, PRESSURE};
+pub use self::process::{LOG, ProcessError, end_solvers, last_lines};
 use algebra::linalg::axpy;
 use fem::contact::{CaseError, CaseInfo, Discretization, Model, Observer, StepView, strain_norm};
 use files::{remove_if_there, shortened};

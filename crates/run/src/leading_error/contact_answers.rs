@@ -1,9 +1,8 @@
 //! Linearised response of Γ3 to changes of u: slopes of the laws at vertices, held vertices, and friction that follows
 //! the normal law.
 
-use super::in_space::{InSpace, State};
-use super::law_slope::{Answer, answer, sliding_block};
-use super::low_rank::RankOne;
+use super::cells::{Answer, answer, sliding_block};
+use super::in_space::{InSpace, RankOne, State};
 use exact::FrictionFormulas;
 use formula::Node;
 

@@ -3,9 +3,8 @@
 use nalgebra::{DMatrix, DVector};
 
 use super::NoConstant;
-use super::law_slope::{Answer, answer};
-use super::sums::{Kernel, Sums};
-use super::time::Weights;
+use super::cells::{Answer, answer};
+use super::sums::{Kernel, Sums, Weights};
 use algebra::linalg::axpy;
 use exact::{LawNumbers, sign_changes};
 use formula::{EvaluationPoint, Graph, Node, Program, Variable};

@@ -1,23 +1,19 @@
 //! The time error on V^h: the linearised scheme of a contact scene along the nodal interpolant of its exact solution.
 
-use std::sync::Arc;
-
 use super::NoConstant;
-use super::cells::{Mandel, add_force, add_stiffness, inner, product, strains};
+use super::cells::{
+    Answer, Mandel, add_force, add_stiffness, inner, product, strains, stress_along, stress_of,
+};
 use super::interpolation::InterpolationError;
-use super::law_slope::Answer;
-use super::low_rank::{self, RankOne};
-use super::measures::{Largest, Level, balancing, normal};
-use super::own_history::OwnHistory;
-use super::sums::{Kernel, Sums};
-use super::tangent::{stress_along, stress_of};
-use super::time::Weights;
-use algebra::linalg::axpy;
+use super::sums::{Kernel, OwnHistory, Sums, Weights};
+use algebra::linalg::{Front, axpy, dot, larger};
 use exact::{ComplianceRule, Exact, InterpolatedOnMesh, Sliding};
 use fem::contact::Discretization;
-use fem::space::StrainPoint;
+use fem::space::{Simplex, StrainPoint};
 use formula::{EvaluationPoint, Node, Variable};
-use scene::{RelaxationTerm, TimeRule};
+use nalgebra::{DMatrix, DVector};
+use scene::{Norm, RelaxationTerm, TimeRule};
+use std::sync::Arc;
 
 pub(super) struct InSpace<const S: usize> {
     pub(super) exact: Arc<Exact>,
@@ -236,7 +232,7 @@ impl<const S: usize> InSpace<S> {
         if self.slope.is_some() {
             terms.push(RankOne { column, row });
         }
-        let error = low_rank::solve(space, t, &values, right, &terms)?;
+        let error = solve(space, t, &values, right, &terms)?;
         let strain: Vec<Mandel<S>> = strains(space, &error);
         // The level's contribution to the change of ζ.
         let share = match self.slope.is_some() && state.norm > 0.0 {
@@ -292,3 +288,179 @@ impl<const S: usize> InSpace<S> {
 const MOST_PRODUCTS: f64 = 1e10;
 /// Smaller shares are zero up to rounding.
 const VANISHING: f64 = 1e-9;
+
+// Linearised steps with a sparse symmetric matrix plus a few terms a bᵀ: one for ζ, one per slipping vertex for
+// friction whose bound follows the normal law.
+
+/// a bᵀ, both over all nodes.
+pub(super) struct RankOne {
+    pub column: Vec<f64>,
+    pub row: Vec<f64>,
+}
+
+/// Smaller pivots are zero up to rounding.
+const SINGULAR: f64 = 1e-9;
+
+/// (K + Σ a_i b_iᵀ)⁻¹ `right`, over all nodes, by the Sherman–Morrison–Woodbury formula; `values` are K's.
+///
+/// # Errors
+/// [`NoConstant::Singular`]; a K that cannot be factorized.
+pub(super) fn solve(
+    space: &Discretization,
+    t: f64,
+    values: &[f64],
+    mut right: Vec<f64>,
+    terms: &[RankOne],
+) -> Result<Vec<f64>, NoConstant> {
+    let dofs = space.dofs();
+    let analysis = space.analysis()?;
+    let (mut factor, mut workspace) = (analysis.factor(), analysis.workspace());
+    analysis.factorize(&space.pattern, values, &mut factor, &mut workspace)?;
+    let mut front = Front::default();
+    let mut solved = |side: &[f64]| {
+        let mut x = side[..dofs].to_vec();
+        analysis.solve(&factor, &mut x, &mut front);
+        x
+    };
+    let mut error = solved(&right);
+    // nalgebra does not solve systems without rows.
+    if !terms.is_empty() {
+        let answers: Vec<Vec<f64>> = terms.iter().map(|term| solved(&term.column)).collect();
+        let along = |i: usize, vector: &[f64]| dot(&terms[i].row[..dofs], vector);
+        let capacitance = DMatrix::from_fn(terms.len(), terms.len(), |i, j| {
+            f64::from(u8::from(i == j)) + along(i, &answers[j])
+        });
+        let factors = capacitance.lu();
+        let pivots = factors.u().diagonal();
+        if pivots.iter().any(|pivot| pivot.is_nan() || pivot.abs() <= SINGULAR) {
+            return Err(NoConstant::Singular { t });
+        }
+        let rows = DVector::from_fn(terms.len(), |i, _| along(i, &error));
+        let shares = factors.solve(&rows).ok_or(NoConstant::Singular { t })?;
+        for (share, answer) in shares.iter().zip(&answers) {
+            axpy(-share, answer, &mut error);
+        }
+    }
+    right.fill(0.0);
+    right[..dofs].copy_from_slice(&error);
+    Ok(right)
+}
+
+// Norms of the leading error in time: of functions of the element, and of tensors at its strain points.
+
+pub(super) struct Level<const S: usize> {
+    /// e as a nodal vector.
+    pub(super) error: Vec<f64>,
+    /// ε(e) at the strain points.
+    pub(super) strain: Vec<Mandel<S>>,
+    /// The leading part of σ^k - σ there.
+    pub(super) stress: Vec<Mandel<S>>,
+    /// (ξ + λ)^k - (ξ + λ) at the points of the trace.
+    pub(super) pressure: Vec<f64>,
+}
+
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Largest {
+    v: f64,
+    l2: f64,
+    stress: f64,
+    trace: f64,
+    pressure: f64,
+}
+
+impl Largest {
+    /// Includes a level; NaN is kept.
+    pub(super) fn raise<const S: usize>(&mut self, space: &Discretization, level: &Level<S>) {
+        let of_cells = |field: &[Mandel<S>]| inner(space, field, field).sqrt();
+        let trace: Vec<f64> =
+            (0..space.trace.points.len()).map(|i| normal(space, i, &level.error)).collect();
+        for (known, value) in [
+            (&mut self.v, of_cells(&level.strain)),
+            (&mut self.l2, in_the_body(space, &level.error)),
+            (&mut self.stress, of_cells(&level.stress)),
+            (&mut self.trace, on_the_contact_side(space, &trace)),
+            (&mut self.pressure, on_the_contact_side(space, &level.pressure)),
+        ] {
+            *known = larger(*known, value);
+        }
+    }
+
+    /// None for norms without a leading error in time.
+    pub(super) fn of(&self, norm: Norm) -> Option<f64> {
+        match norm {
+            Norm::VMax | Norm::VTimeMax => Some(self.v),
+            Norm::L2Max => Some(self.l2),
+            Norm::StressL2Max => Some(self.stress),
+            Norm::TraceL2Max => Some(self.trace),
+            Norm::PressureL2Max => Some(self.pressure),
+            _ => None,
+        }
+    }
+}
+
+/// The pressures that balance a stress at the vertices of Γ3: p_i = -(σ, ε(φ_i ν_i))/w_i.
+pub(super) fn balancing<const S: usize>(space: &Discretization, stress: &[Mandel<S>]) -> Vec<f64> {
+    let mut force = vec![0.0; space.nodes.len()];
+    for (at, tensor) in space.points().zip(stress) {
+        add_force(&at, tensor, &mut force);
+    }
+    let points = space.trace.points.iter().enumerate();
+    points.map(|(i, point)| -normal(space, i, &force) / point.weight).collect()
+}
+
+/// v·ν at a point of the trace, by the components of its node.
+pub(super) fn normal(space: &Discretization, i: usize, nodal: &[f64]) -> f64 {
+    let (point, d) = (&space.trace.points[i], space.mesh.dimension);
+    (0..d).map(|j| point.normal[j] * nodal[d * point.node as usize + j]).sum()
+}
+
+fn in_the_body(space: &Discretization, nodal: &[f64]) -> f64 {
+    let d = space.mesh.dimension;
+    let squares = space.element.mean_square(Simplex::cell(d));
+    let at = |&node: &u32| -> [f64; 3] {
+        std::array::from_fn(|i| if i < d { nodal[d * node as usize + i] } else { 0.0 })
+    };
+    let cell = |(c, &measure): (usize, &f64)| {
+        squares.over(measure, &space.cell_nodes(c).iter().map(at).collect::<Vec<_>>())
+    };
+    space.geometry.measure.iter().enumerate().map(cell).sum::<f64>().sqrt()
+}
+
+/// ‖f‖ in L²(Γ3) of values at the points of the trace.
+fn on_the_contact_side(space: &Discretization, values: &[f64]) -> f64 {
+    let squares = space.element.mean_square(Simplex::facet(space.mesh.dimension));
+    let at = |&i: &u32| [values[i as usize]];
+    let facet = |(f, &measure): (usize, &f64)| {
+        squares.over(measure, &space.trace.facet(f).iter().map(at).collect::<Vec<_>>())
+    };
+    space.trace.measure.iter().enumerate().map(facet).sum::<f64>().sqrt()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use fem::mesh::{Family, lattice};
+
+    /// A NaN in one norm must not affect the others.
+    #[test]
+    fn no_number_stays_in_its_norm() {
+        let mesh = lattice([1.0, 1.0], 1, Family::Structured);
+        let space = Discretization::new(mesh, &[3], &[2]);
+        let (nodes, cells) = (space.nodes.len(), space.mesh.cell_count());
+        let level = |pressure: f64| Level::<3> {
+            error: vec![1.0; nodes],
+            strain: vec![[1.0; 3]; cells],
+            stress: vec![[2.0; 3]; cells],
+            pressure: vec![pressure; space.trace.points.len()],
+        };
+        let mut largest = Largest::default();
+        for pressure in [1.0, f64::NAN, 2.0] {
+            largest.raise(&space, &level(pressure));
+        }
+        assert!(largest.of(Norm::PressureL2Max).is_some_and(f64::is_nan));
+        assert!(largest.of(Norm::TraceL2Max).is_some_and(f64::is_finite));
+        // √3 on the unit square.
+        let v = largest.of(Norm::VMax).expect("a norm");
+        assert!((v - 3f64.sqrt()).abs() < 1e-15, "{v}");
+    }
+}

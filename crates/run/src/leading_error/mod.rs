@@ -13,26 +13,17 @@
 //! like (t-s)^a, kinks and jumps.
 //!
 //! Independence: only numbers and formulas of the scene, the manufactured side's stress and linear algebra are used.
-//! Histories are integrated anew (`adaptive`), so that wrong histories of the exact solution show. The solver's model,
+//! Histories are integrated anew (`sums`), so that wrong histories of the exact solution show. The solver's model,
 //! laws, time weights, assembly and march are not used, so that mistakes in them do not move the prediction;
 //! `tests/commands/house.rs` lists what is shared.
 
-mod adaptive;
 mod cells;
 mod contact_answers;
 mod error;
 mod finite;
 mod in_space;
 mod interpolation;
-mod interpolation_stress;
-mod law_slope;
-mod low_rank;
-mod measures;
-mod own_history;
-mod quadratic;
 mod sums;
-mod tangent;
-mod time;
 
 pub use error::NoConstant;
 pub use interpolation::{InterpolationError, interpolation_constant};
@@ -44,10 +35,11 @@ use std::sync::Arc;
 use exact::Exact;
 use fem::contact::Discretization;
 use fem::space::Element;
+use in_space::Largest;
 use judge::verdict::{LeadingLine, LeadingPoint};
-use measures::Largest;
 use scene::setup::{AbstractSetup, Setup, Subject};
 use scene::{Direction, Hypothesis, MeshFamily, Norm};
+use sums::{largest_step, times};
 
 /// The linearisation error is the size of the error over that of the solution: 1e-5 on the finest steps of the shipped
 /// scenes, with a safety factor 10. If a contact state changes within the error the share does not fall with k, and the
@@ -133,9 +125,9 @@ fn of_abstract(
     cases: &[Case],
 ) -> Result<LeadingLine, NoConstant> {
     let points = of_few_steps(cases, MOST_STEPS).map(|&Case { n, steps }| {
-        let times = time::times(&setup.scene.time, steps);
+        let times = times(&setup.scene.time, steps);
         let error = finite::largest_error(setup, norm, &times)?;
-        Ok(LeadingPoint { n, steps, h: None, k: time::largest_step(&times), error })
+        Ok(LeadingPoint { n, steps, h: None, k: largest_step(&times), error })
     });
     let points = points.collect::<Result<_, NoConstant>>()?;
     Ok(LeadingLine { points, limit: None, tolerance: IN_TIME })
@@ -248,8 +240,8 @@ fn time_errors<const S: usize>(
         return Err(NoConstant::NotInSpace);
     }
     let error = |&case: &Case| {
-        let times = time::times(&setup.scene.time, case.steps);
-        Ok((case, time::largest_step(&times), body.largest_errors(&times)?))
+        let times = times(&setup.scene.time, case.steps);
+        Ok((case, largest_step(&times), body.largest_errors(&times)?))
     };
     of_few_steps(cases, body.most_steps()).map(error).collect()
 }

@@ -1,14 +1,13 @@
 //! The cases of a scene: every n with every number of steps, and the norms of each.
 
-use std::panic::{AssertUnwindSafe, catch_unwind};
-
+use super::admission::least_bytes_of_mesh;
 use super::cost::{PlanCost, abstract_costs, contact_costs};
 use super::floors::{FloorRow, abstract_floors, contact_floors, direct_history};
-use super::needs::least_bytes_of_mesh;
 use judge::record::{CaseRecord, Key, NormError, Status};
 use judge::verdict::{ComparedRun, MeshAndSteps};
 use scene::setup::{Setup, SetupError, StepRemark, Subject, check_step_sizes};
 use scene::{Body, Norm, Prediction, Reference, Scene, SceneError};
+use std::panic::{AssertUnwindSafe, catch_unwind};
 
 /// Grids given on the command line in place of the scene's.
 #[derive(Debug, Clone, Default, PartialEq)]

@@ -1,7 +1,11 @@
 //! Sides by number, and their plane pieces.
 
-use fem::mesh::Piece;
+use super::{Domain, Shape, place};
+use crate::reading::Reading;
+use crate::source::{Result, SceneError};
+use fem::mesh::{CoarseMesh, Piece};
 use formula::{Effort, Extreme, Graph, Interval, Node, Place, Variable, largest};
+use nalgebra::DMatrix;
 
 /// A side by its position in [`super::Domain::sides`] and in `Mesh::sides`; those of a rectangle or box in the order x =
 /// 0, x = size\[0\], y = 0, and so on.
@@ -148,4 +152,187 @@ impl Face {
 
 fn length(v: [f64; 3]) -> f64 {
     v.iter().map(|e| e * e).sum::<f64>().sqrt()
+}
+
+// Limit of contact conditions at a vertex.
+
+/// |det| of unit normals below which they count as dependent, as in the frames of the unknowns.
+const DEPENDENT: f64 = 1e-6;
+
+/// Each condition u_ν ≤ g takes an unknown of its vertex, and so does u_ν = 0 on a plane of symmetry: at most d, along
+/// independent normals. In the plane two contact edges meet, which is always possible; a bent contact side of tetrahedra has
+/// a normal per face.
+///
+/// # Errors
+/// The first vertex of Γ3 off Γ1 with too many normals.
+pub(super) fn few_at_a_vertex(reading: &Reading, domain: &Domain) -> Result<()> {
+    let Shape::Refined(coarse) = &domain.shape else { return Ok(()) };
+    let on = |sides: &[super::Side], side: u32| sides.iter().any(|listed| listed.0 == side);
+    let mut normals: Vec<Vec<[f64; 3]>> = vec![Vec::new(); coarse.vertices.len()];
+    let mut across = normals.clone();
+    let mut clamped = vec![false; coarse.vertices.len()];
+    for face in &coarse.facets {
+        for &v in &face.corners {
+            let here = &mut normals[v as usize];
+            if on(&domain.contact, face.side) && !here.contains(&face.normal) {
+                here.push(face.normal);
+            }
+            if on(&domain.symmetry, face.side) {
+                add_independent(&mut across[v as usize], face.normal);
+            }
+            clamped[v as usize] |= on(&domain.clamped, face.side);
+        }
+    }
+    let bad = |v: &usize| {
+        let conditions = [&normals[*v][..], &across[*v]].concat();
+        let possible = coarse.dimension == 2 && across[*v].is_empty();
+        !clamped[*v] && !normals[*v].is_empty() && !possible && !independent(&conditions)
+    };
+    let Some(v) = (0..normals.len()).find(bad) else { return Ok(()) };
+    if across[v].is_empty() {
+        return Err(refusal(reading, coarse, v, normals[v].len()));
+    }
+    let at = place(&coarse.vertices[v].into(), coarse.dimension);
+    let message = format!(
+        "a contact side and a plane of symmetry meet at {at} along one line: u_nu = 0 and u_nu <= g there are not independent"
+    );
+    let hint = "put a traction or clamped side between them, or let them meet at an angle";
+    Err(reading.error("domain.symmetry", message, hint))
+}
+
+fn refusal(reading: &Reading, coarse: &CoarseMesh, v: usize, count: usize) -> SceneError {
+    let at = place(&coarse.vertices[v].into(), coarse.dimension);
+    let message = format!(
+        "{count} faces of the contact sides with different normals meet at {at}: the conditions u_nu <= g there are not independent"
+    );
+    let hint = "contact sides of tetrahedra must be plane: a bent side of many faces may be a traction side";
+    reading.error("domain.contact", message, hint)
+}
+
+fn add_independent(known: &mut Vec<[f64; 3]>, normal: [f64; 3]) {
+    known.push(normal);
+    if !independent(known) {
+        known.pop();
+    }
+}
+
+/// Number of rigid motions with u_ν = 0 on the planes of symmetry: what the rank of ν·r at the corners of each plane piece,
+/// r the translations and rotations, leaves of d(d + 1)/2.
+pub(super) fn rigid_motions_left(domain: &Domain) -> usize {
+    let d = domain.dimension();
+    let size = domain.size.iter().copied().fold(f64::MIN_POSITIVE, f64::max);
+    let faces: Vec<Face> = domain.symmetry.iter().flat_map(|&side| domain.faces(side)).collect();
+    let mut rows: Vec<Vec<f64>> = Vec::new();
+    for face in &faces {
+        for p in face.points(1) {
+            let (n, x) = (face.normal, [0, 1, 2].map(|i| (p[i] - faces[0].corner[i]) / size));
+            let turn = |i: usize, j: usize| n[j] * x[i] - n[i] * x[j];
+            let all = [n[0], n[1], turn(0, 1), n[2], turn(1, 2), turn(2, 0)];
+            rows.push(all[..d * (d + 1) / 2].to_vec());
+        }
+    }
+    let motions = d * (d + 1) / 2;
+    let matrix = DMatrix::from_fn(rows.len(), motions, |i, j| rows[i][j]);
+    // Rotations are in units of the body: a plane that is a 1e-6th of it fixes none.
+    motions - matrix.rank(DEPENDENT)
+}
+
+/// Linear independence of unit vectors, by Gram's determinant.
+fn independent(normals: &[[f64; 3]]) -> bool {
+    let dot = |p: [f64; 3], q: [f64; 3]| p.iter().zip(q).map(|(p, q)| p * q).sum::<f64>();
+    let gram = DMatrix::from_fn(normals.len(), normals.len(), |i, j| dot(normals[i], normals[j]));
+    gram.determinant() > DEPENDENT.powi(2)
+}
+
+// Extent of the body along the normal of a plane side.
+
+/// Shorter lengths, relative to the side, are rounding.
+const ROUNDING: f64 = 1e-9;
+
+/// The longest normal line from the side within the body, if the side is one straight line and all these lines end on
+/// sides accepted by `clamped`.
+///
+/// Between the feet of the other vertices the first edge met is constant, and the length affine: one line in the middle
+/// gives the edge, those at both ends the lengths.
+pub(super) fn depth_under(
+    coarse: &CoarseMesh,
+    side: u32,
+    clamped: impl Fn(u32) -> bool,
+) -> Option<f64> {
+    let all = coarse.pieces();
+    let edges: Vec<&Piece> = all.iter().filter(|edge| edge.side == side).collect();
+    let Piece { corners: first, normal: [x, y, _], .. } = edges.first()?;
+    let (normal, along) = ([*x, *y], [-y, *x]);
+    let dot = |a: [f64; 2], b: [f64; 2]| a[0] * b[0] + a[1] * b[1];
+    // Position along the side and height into the body.
+    let local = |p: [f64; 3]| {
+        let away = [p[0] - first[0][0], p[1] - first[0][1]];
+        [dot(away, along), -dot(away, normal)]
+    };
+    let ends = |edge: &Piece| [0, 1].map(|end| local(edge.corners[end]));
+    let length = coarse.longest_edge();
+    let mut deepest = 0.0f64;
+    for edge in edges {
+        let [p, q] = ends(edge);
+        if [p, q].iter().any(|end| end[1].abs() > ROUNDING * length) {
+            return None;
+        }
+        let (from, to) = (p[0].min(q[0]), p[0].max(q[0]));
+        let mut cuts: Vec<f64> = coarse.vertices.iter().map(|v| local(*v)[0]).collect();
+        cuts.retain(|cut| *cut > from && *cut < to);
+        cuts.extend([from, to]);
+        cuts.sort_by(f64::total_cmp);
+        for pair in cuts.windows(2).filter(|pair| pair[1] - pair[0] > ROUNDING * length) {
+            let height = |edge: &Piece, s: f64| {
+                let [p, q] = ends(edge);
+                p[1] + (s - p[0]) / (q[0] - p[0]) * (q[1] - p[1])
+            };
+            let middle = 0.5 * (pair[0] + pair[1]);
+            let crosses = |edge: &&Piece| {
+                let [p, q] = ends(edge);
+                (p[0] < middle) != (q[0] < middle) && height(edge, middle) > ROUNDING * length
+            };
+            let nearest = all
+                .iter()
+                .filter(crosses)
+                .min_by(|a, b| height(a, middle).total_cmp(&height(b, middle)))?;
+            if !clamped(nearest.side) {
+                return None;
+            }
+            deepest = deepest.max(height(nearest, pair[0])).max(height(nearest, pair[1]));
+        }
+    }
+    Some(deepest)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::depth_under as under;
+    use fem::mesh::{CoarseMesh, triangulate};
+
+    fn polygon(vertices: &[[f64; 2]]) -> CoarseMesh {
+        let sides: Vec<u32> = (0..vertices.len() as u32).collect();
+        let names = sides.iter().map(u32::to_string).collect();
+        CoarseMesh::polygon(vertices, &triangulate(vertices).unwrap(), &sides, names).unwrap()
+    }
+
+    #[test]
+    fn depths_of_known_shapes() {
+        let turn = |[x, y]: [f64; 2]| [0.6 * x - 0.8 * y + 2.0, 0.8 * x + 0.6 * y];
+        let trapezium = [[0.0, 0.0], [2.0, 0.0], [1.5, 1.0], [0.5, 0.8]].map(turn);
+        // The lines from the bottom end on the right, top and left edges: the deepest at (1.5, 1).
+        let depth = under(&polygon(&trapezium), 0, |_| true).unwrap();
+        assert!((depth - 1.0).abs() < 1e-12, "{depth}");
+        assert_eq!(under(&polygon(&trapezium), 0, |side| side == 2), None);
+        // From the top down all lines end on the bottom.
+        assert!(under(&polygon(&trapezium), 2, |side| side == 0).is_some());
+        let notch = [[0.0, 0.0], [3.0, 0.0], [3.0, 2.0], [2.0, 2.0], [2.0, 0.5], [1.0, 0.5]];
+        let notch: Vec<[f64; 2]> =
+            notch.into_iter().chain([[1.0, 2.0], [0.0, 2.0]]).map(turn).collect();
+        let depth = under(&polygon(&notch), 0, |_| true).unwrap();
+        assert!((depth - 2.0).abs() < 1e-12, "{depth}");
+        // From the left wall of the notch, lines run to the left side.
+        let depth = under(&polygon(&notch), 5, |side| side == 7).unwrap();
+        assert!((depth - 1.0).abs() < 1e-12, "{depth}");
+    }
 }

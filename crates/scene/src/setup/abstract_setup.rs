@@ -1,25 +1,26 @@
 //! An abstract scene made computable: model, exact solution, and checks before a solve.
 
-use std::sync::Arc;
-use std::time::Instant;
-
-use nalgebra::{DMatrix, DVector};
-
-use super::abstract_constants::{AbstractConstants, abstract_constants};
 use super::regularity::abstract_claims;
-use super::{SetupError, potential};
-use crate::{AbstractScene, Body, Hypothesis, Scene};
+use super::{Result, potential};
+use crate::memory::in_the_largest;
+use crate::{AbstractScene, Body, Hypothesis, Law, Scene};
 use algebra::linalg::larger;
 use exact::{ByTime, FiniteData, FiniteExact, FiniteState, FiniteTrace};
 use files::digits;
-use formula::{EvaluationPoint, Graph, Node, Program, Variable};
-use vhi::StepSolver;
+use formula::{
+    Effort, Enclosing, EvaluationPoint, Extreme, Graph, Interval, Node, Place, Program, Variable,
+    largest,
+};
+use nalgebra::{DMatrix, DVector, SymmetricEigen};
+use std::sync::Arc;
+use std::time::Instant;
 use vhi::finite::{
     ComponentLaw, FiniteError, FiniteInfo, FiniteKernel, FiniteLoad, FiniteModel, FiniteView,
     Functional, march,
 };
-use vhi::history::TimeGrid;
+use vhi::history::{TimeGrid, TimeRule};
 use vhi::law::HistoryKernel;
+use vhi::{SingularSlot, StepBounds, StepSolver, monotonicity};
 
 /// An abstract scene with its model and exact solution.
 pub struct AbstractSetup {
@@ -37,7 +38,7 @@ impl AbstractSetup {
     ///
     /// # Errors
     /// The first violated condition, at its key in the scene.
-    pub fn new(scene: Scene) -> Result<Self, SetupError> {
+    pub fn new(scene: Scene) -> Result<Self> {
         let Body::Abstract(problem) = scene.body.clone() else {
             let message = "a body in contact is no abstract problem";
             let hint = "this command needs a scene with kind = \"abstract\"";
@@ -101,7 +102,7 @@ impl AbstractSetup {
     }
 
     /// l ≤ a·u ≤ g, λ on the bound only and of its sign, ξ ∈ ∂j(a·u); m0 > 0.
-    fn admissible(&self) -> Result<(), SetupError> {
+    fn admissible(&self) -> Result<()> {
         let c = &self.constants;
         let message = format!(
             "the smallness condition (2.9) fails: m0 = m_A - alpha_phi - alpha_j c_j^2 = {} - {} - {} * {} = {}",
@@ -130,7 +131,7 @@ impl AbstractSetup {
         abstract_claims(self)
     }
 
-    fn contact_state(&self, t: f64, sizes: &[[f64; 2]]) -> Result<(), SetupError> {
+    fn contact_state(&self, t: f64, sizes: &[[f64; 2]]) -> Result<()> {
         let state = self.state(t);
         if let Some(value) = state.load.iter().find(|value| !value.is_finite()) {
             let message =
@@ -353,4 +354,390 @@ fn exact(scene: &Scene, problem: &AbstractScene) -> Result<FiniteExact, exact::U
         u: problem.u.clone(),
         horizon: scene.time.horizon,
     })
+}
+
+// Constants of an abstract problem (docs/THEORY.md, section 1), with respect to ‖·‖_X and its dual norm. Forces and
+// values of S are measured in X*: ‖y‖² = y·G⁻¹y.
+
+/// Constants of (2.5)-(2.11).
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct AbstractConstants {
+    /// m_A, of strong monotonicity.
+    pub m_a: f64,
+    /// Lipschitz constant of A.
+    pub l_a: f64,
+    /// α_φ of (2.7b).
+    pub alpha_phi: f64,
+    /// β_φ of (2.7b).
+    pub beta_phi: f64,
+    /// α_j of (2.8c).
+    pub alpha_j: f64,
+    /// c_j², the largest eigenvalue of Σ w_i a_i a_iᵀ in X.
+    pub c_j_squared: f64,
+    /// m0 = m_A - α_φ - α_j c_j².
+    pub m0: f64,
+    /// ‖R‖ on X*.
+    pub r_norm: f64,
+    /// ‖q‖ = max over 0 ≤ s ≤ t ≤ T of the norm of q(t, s): X → X*, proved; without the terms that are infinite at s =
+    /// t.
+    pub q_norm: f64,
+    /// max ‖q(t, t)‖ over t, proved.
+    pub q_norm_now: f64,
+    /// What R q(t, t) can take from the monotonicity of a step of weight 1: max over t of -λ_min of the symmetric part of
+    /// N' R q(t, t), if N is linear in y, else β_φ‖R‖ max ‖q(t, t)‖.
+    pub destabilizing: f64,
+    /// a of the terms (t - s)^{-a} b(t, s); 0 without one.
+    pub power: f64,
+    /// ‖b‖, ‖b(t, t)‖ and what b can take, likewise.
+    pub b_norm: f64,
+    pub b_norm_now: f64,
+    pub b_destabilizing: f64,
+    /// The slopes of g and N are bounded for |r|, |y| up to this.
+    pub slopes_up_to: f64,
+}
+
+impl AbstractConstants {
+    /// The bounds on the step size.
+    pub fn step_bounds(&self, rule: &dyn TimeRule) -> StepBounds {
+        let (lipschitz, now) = (self.r_norm * self.q_norm, self.r_norm * self.q_norm_now);
+        StepBounds {
+            m0: self.m0,
+            beta_phi: self.beta_phi,
+            lipschitz,
+            paper_lipschitz: lipschitz,
+            last_slot: self.beta_phi * now,
+            destabilizing: self.destabilizing,
+            last_share: rule.last_share(),
+            singular: SingularSlot {
+                power: self.power,
+                share: rule.last_weight(self.power, 1.0),
+                lipschitz: self.r_norm * self.b_norm,
+                paper_lipschitz: self.r_norm * self.b_norm,
+                last_slot: self.beta_phi * self.r_norm * self.b_norm_now,
+                destabilizing: self.b_destabilizing,
+            },
+        }
+    }
+}
+
+/// Slopes without a bound for all arguments are bounded for |r|, |y| up to this.
+const REACH: f64 = 10.0;
+
+/// The constants of an abstract problem.
+///
+/// # Errors
+/// An inner product that is not positive definite; a kernel or a slope without a bound.
+pub(crate) fn abstract_constants(
+    scene: &Scene,
+    problem: &AbstractScene,
+    model: &FiniteModel,
+) -> Result<AbstractConstants> {
+    let gram = SymmetricEigen::new(model.inner_product.clone());
+    let least = gram.eigenvalues.min();
+    let message = format!("the inner product has the eigenvalue {least:.3e}: not positive");
+    let hint = "an inner product is positive definite";
+    let odd = least.is_nan() || least <= 0.0;
+    scene.refuse_if(odd, "space.inner_product", message, hint)?;
+    let root = |power: f64| -> DMatrix<f64> {
+        let scaled = DMatrix::from_diagonal(&gram.eigenvalues.map(|value| value.powf(power)));
+        &gram.eigenvectors * scaled * gram.eigenvectors.transpose()
+    };
+    let (half, inverse_half) = (root(0.5), root(-0.5));
+    // Operators X → X* and X* → X* as matrices in orthonormal coordinates.
+    let to_dual = |a: &DMatrix<f64>| &inverse_half * a * &inverse_half;
+    let m = model.dimension();
+    let diagonal = |slopes: &[[f64; 2]], of: fn(&[f64; 2]) -> f64| {
+        DMatrix::from_diagonal(&DVector::from_fn(m, |i, _| slopes.get(i).map_or(0.0, of)))
+    };
+    let size = |[low, high]: &[f64; 2]| low.abs().max(high.abs());
+    let mut slopes_up_to = f64::INFINITY;
+    let mut slopes = |key: &str, nodes: &Option<Vec<Node>>, by| {
+        let nodes = nodes.iter().flatten().enumerate();
+        let each = nodes.map(|(i, &node)| {
+            let (slopes, reach) = slope_range(scene, node, by);
+            slopes_up_to = reach.min(slopes_up_to);
+            let message = format!("the slope has no bound for arguments up to {REACH}");
+            let hint = "a component of the operator or of phi must be Lipschitz";
+            let known = slopes.is_finite();
+            scene.refuse_if(!known, &format!("{key}.{i}"), message, hint)?;
+            Ok([slopes.low, slopes.high])
+        });
+        each.collect::<Result<Vec<[f64; 2]>>>()
+    };
+    let nonlinear = slopes("operator.nonlinear", &problem.nonlinear, Variable::X)?;
+    let by_r = slopes("phi.force", &problem.force, Variable::X)?;
+    let by_y = slopes("phi.force", &problem.force, Variable::Y)?;
+    let shifted = &model.matrix + diagonal(&nonlinear, |[low, _]| *low);
+    let symmetric = to_dual(&(0.5 * (&shifted + shifted.transpose())));
+    let bends = to_dual(&diagonal(&nonlinear, size));
+    let beta_phi = match model.force.is_empty() {
+        true => 1.0,
+        false => norm(&inverse_half) * diagonal(&by_y, size).max() * norm(&half),
+    };
+    let mut trace = DMatrix::zeros(m, m);
+    for functional in &model.functionals {
+        trace += functional.weight * &functional.a * functional.a.transpose();
+    }
+    let alpha_phi = norm(&to_dual(&diagonal(&by_r, size)));
+    let alpha_j = problem.traces.iter().filter_map(|t| t.law.as_ref()).map(Law::alpha);
+    let alpha_j = alpha_j.fold(0.0, f64::max);
+    let c_j_squared = norm(&to_dual(&trace));
+    let m_a = SymmetricEigen::new(symmetric).eigenvalues.min();
+    let m0 = monotonicity(m_a, alpha_phi + alpha_j * c_j_squared);
+    let r_norm = norm(&(&inverse_half * &model.r * &half));
+    let horizon = scene.time.horizon;
+    // N' if it is a matrix: the identity for N = y.
+    let linear = by_y.iter().all(|[low, high]| low == high);
+    let by_y = match model.force.is_empty() {
+        true => DMatrix::identity(m, m),
+        false => diagonal(&by_y, |[low, _]| *low),
+    };
+    let kernels = KernelBounds::new(&scene.formulas, problem, horizon, |l| {
+        let matrix = &model.kernels[l].matrix;
+        let last = to_dual(&(&by_y * &model.r * matrix));
+        [to_dual(matrix), 0.5 * (&last + last.transpose())]
+    });
+    if let Some((l, t)) = kernels.unbounded() {
+        let message = format!("q(t, s) has no bound near t = {t:.6}");
+        let hint = "a kernel must be continuous for 0 <= s <= t <= T; exp(s - t) is an example";
+        return Err(scene.error(&format!("history.kernels.{l}.q"), message, hint).into());
+    }
+    let with_phi = |norms: KernelNorms| match linear {
+        true => norms,
+        false => KernelNorms { destabilizing: beta_phi * r_norm * norms.now, ..norms },
+    };
+    let plain = with_phi(kernels.norms(0.0));
+    let powers = in_the_largest(problem.kernels.iter().map(|kernel| kernel.power), horizon);
+    let (power, singular) =
+        powers.into_iter().fold((0.0, KernelNorms::default()), |(_, sum), (power, scale)| {
+            let norms = with_phi(kernels.norms(power));
+            let sum = KernelNorms {
+                all: sum.all + scale * norms.all,
+                now: sum.now + scale * norms.now,
+                destabilizing: sum.destabilizing + scale * norms.destabilizing,
+            };
+            (power, sum)
+        });
+    Ok(AbstractConstants {
+        m_a,
+        l_a: norm(&to_dual(&model.matrix)) + norm(&bends),
+        alpha_phi,
+        beta_phi,
+        alpha_j,
+        c_j_squared,
+        m0,
+        r_norm,
+        q_norm: plain.all,
+        q_norm_now: plain.now,
+        destabilizing: plain.destabilizing,
+        power,
+        b_norm: singular.all,
+        b_norm_now: singular.now,
+        b_destabilizing: singular.destabilizing,
+        slopes_up_to,
+    })
+}
+
+/// A proved range of the slope of a component law, for all arguments or else for those up to [`REACH`], and which.
+fn slope_range(scene: &Scene, law: Node, by: Variable) -> (Interval, f64) {
+    let mut graph = scene.formulas.clone();
+    let slope = graph.derivative(law, by);
+    let range = |over: Interval| {
+        let mut slope = graph.enclosing(slope);
+        let mut end = |sign: f64| {
+            let found = largest([over, over], Effort::FORMULA, |&[y, r]| {
+                let place = Place::origin().with(Variable::Y, y).with(Variable::X, r);
+                let found = slope.over(&place);
+                let all = found.undefined;
+                if all { Interval::ALL } else { found.range * Interval::point(sign) }
+            });
+            sign * found.bound
+        };
+        let (low, high) = (end(-1.0), end(1.0));
+        Interval::new(low, high)
+    };
+    let everywhere = range(Interval::ALL);
+    match everywhere.is_finite() {
+        true => (everywhere, f64::INFINITY),
+        false => (range(Interval::new(-REACH, REACH)), REACH),
+    }
+}
+
+pub(super) fn norm(a: &DMatrix<f64>) -> f64 {
+    a.singular_values().max()
+}
+
+// Proved norms of the kernels of an abstract problem, Σ_l q_l(t, s) Q_l for 0 ≤ s ≤ t ≤ T.
+
+/// Terms with matrices of order m cost some m³ operations a box: several of them get fewer boxes, and the bound is then less
+/// close to the maximum.
+const OPERATIONS: usize = 1 << 27;
+const FEWEST_BOXES: usize = 256;
+const MOST_BOXES: usize = 4096;
+const TOLERANCE: f64 = 1e-3;
+
+/// One term (t - s)^{-a} b_l(t, s) Q_l.
+struct Term {
+    power: f64,
+    /// b_l with s = σ t, in T and Y = σ, so that 0 ≤ s ≤ t is a box, and b_l with s = t.
+    at_share: Node,
+    now: Node,
+    /// R Q_l between orthonormal coordinates of X and of X*: a matrix for the norm, and its symmetric part with the factor of φ.
+    matrix: DMatrix<f64>,
+    symmetric: DMatrix<f64>,
+}
+
+/// The terms of the history.
+pub(super) struct KernelBounds {
+    graph: Graph,
+    terms: Vec<Term>,
+    horizon: f64,
+}
+
+/// Bounds for the terms with one power.
+#[derive(Clone, Copy, Default)]
+pub(super) struct KernelNorms {
+    /// max ‖Σ b_l(t, s) Q_l‖.
+    pub all: f64,
+    /// max ‖Σ b_l(t, t) Q_l‖.
+    pub now: f64,
+    /// max over t of -λ_min of the symmetric part of Σ b_l(t, t) Q_l with the factors of R and φ; 0 if it is nowhere negative.
+    pub destabilizing: f64,
+}
+
+/// An eigenvalue is known to a few units of rounding of the matrix.
+const OF_EIGENVALUES: f64 = 1e-14;
+
+impl KernelBounds {
+    /// `matrices` are those of [`Term`], for each kernel of the problem.
+    pub(super) fn new(
+        graph: &Graph,
+        problem: &AbstractScene,
+        horizon: f64,
+        matrices: impl Fn(usize) -> [DMatrix<f64>; 2],
+    ) -> Self {
+        let mut graph = graph.clone();
+        graph.collect();
+        let (t, share) = (graph.variable(Variable::T), graph.variable(Variable::Y));
+        let part = graph.mul(share, t);
+        let kernels = problem.kernels.iter().enumerate();
+        let terms = kernels
+            .map(|(l, kernel)| {
+                let [matrix, symmetric] = matrices(l);
+                let at_share = graph.substitute(kernel.q, Variable::X, part);
+                let now = graph.substitute(kernel.q, Variable::X, t);
+                Term { power: kernel.power, at_share, now, matrix, symmetric }
+            })
+            .collect();
+        Self { graph, terms, horizon }
+    }
+
+    /// The first kernel without a bound, and a t near which there is none.
+    pub(super) fn unbounded(&self) -> Option<(usize, f64)> {
+        let one = |term: &Term| self.over_triangle(std::slice::from_ref(&term), |b| b[0].abs());
+        let found = self.terms.iter().map(one);
+        found.enumerate().find(|(_, f)| !f.bound.is_finite()).map(|(l, f)| (l, f.part[0].low))
+    }
+
+    /// The norms of the terms with this power.
+    pub(super) fn norms(&self, power: f64) -> KernelNorms {
+        let terms: Vec<&Term> = self.terms.iter().filter(|term| term.power == power).collect();
+        if terms.is_empty() {
+            return KernelNorms::default();
+        }
+        let sizes: Vec<f64> = terms.iter().map(|term| norm(&term.matrix)).collect();
+        let size = |b: &[Interval]| match b {
+            [only] => only.abs() * Interval::point(sizes[0]),
+            _ => around(b, &sizes, |middle| norm(&sum(middle, &terms, |term| &term.matrix))),
+        };
+        let least: Vec<[f64; 2]> = terms.iter().map(|term| ends(&term.symmetric)).collect();
+        let bends: Vec<f64> = least.iter().map(|[a, b]| a.abs().max(b.abs())).collect();
+        let negative = |b: &[Interval]| match b {
+            // -λ_min of b Q is the larger of -b λ_min and -b λ_max.
+            [only] => {
+                let [x, y] = least[0].map(|value| *only * Interval::point(-value));
+                Interval::new(x.low.max(y.low), x.high.max(y.high))
+            }
+            _ => around(b, &bends, |middle| -ends(&sum(middle, &terms, |term| &term.symmetric))[0]),
+        };
+        let all = self.over_triangle(&terms, size).bound;
+        let now = self.over_diagonal(&terms, size).bound;
+        let negative = self.over_diagonal(&terms, negative).bound;
+        let rounding = OF_EIGENVALUES * bends.iter().sum::<f64>() * now / sizes.iter().sum::<f64>();
+        // Without a bound of the rounding (all matrices zero) nothing is negative.
+        let destabilizing = if negative > rounding { negative } else { 0.0 };
+        KernelNorms { all, now, destabilizing }
+    }
+
+    fn effort(terms: &[&Term]) -> Effort {
+        let order = terms[0].matrix.nrows();
+        match terms.len() {
+            1 => Effort::FORMULA,
+            _ => Effort {
+                tolerance: TOLERANCE,
+                boxes: (OPERATIONS / order.pow(3)).clamp(FEWEST_BOXES, MOST_BOXES),
+            },
+        }
+    }
+
+    fn over_triangle(
+        &self,
+        terms: &[&Term],
+        value: impl Fn(&[Interval]) -> Interval,
+    ) -> Extreme<2> {
+        let mut factors: Vec<Enclosing> =
+            terms.iter().map(|term| self.graph.enclosing(term.at_share)).collect();
+        let whole = [Interval::new(0.0, self.horizon), Interval::new(0.0, 1.0)];
+        largest(whole, Self::effort(terms), |&[t, share]| {
+            let place = Place::origin().with(Variable::T, t).with(Variable::Y, share);
+            within(&mut factors, &place).map_or(Interval::ALL, |b| value(&b))
+        })
+    }
+
+    fn over_diagonal(
+        &self,
+        terms: &[&Term],
+        value: impl Fn(&[Interval]) -> Interval,
+    ) -> Extreme<1> {
+        let mut factors: Vec<Enclosing> =
+            terms.iter().map(|term| self.graph.enclosing(term.now)).collect();
+        largest([Interval::new(0.0, self.horizon)], Self::effort(terms), |&[t]| {
+            let place = Place::origin().with(Variable::T, t);
+            within(&mut factors, &place).map_or(Interval::ALL, |b| value(&b))
+        })
+    }
+}
+
+/// The ranges of the factors, if all are bounded.
+fn within(factors: &mut [Enclosing<'_>], place: &Place) -> Option<Vec<Interval>> {
+    let found = factors.iter_mut().map(|factor| factor.over(place));
+    found.map(|one| (!one.undefined && one.range.is_finite()).then_some(one.range)).collect()
+}
+
+/// A function of Σ b_l Q_l that changes by at most Σ |δb_l| `sizes`_l, over the ranges of the b_l, from its value at their
+/// middles.
+fn around(b: &[Interval], sizes: &[f64], value: impl Fn(&[f64]) -> f64) -> Interval {
+    let middles: Vec<f64> = b.iter().map(|range| range.middle()).collect();
+    let radii = b.iter().zip(&middles).map(|(range, m)| (range.high - m).max(m - range.low));
+    let radius: f64 = radii.zip(sizes).map(|(radius, size)| radius * size).sum();
+    let middle = value(&middles);
+    Interval::new(middle - radius, middle + radius)
+}
+
+fn sum<'a>(
+    factors: &[f64],
+    terms: &[&'a Term],
+    of: impl Fn(&'a Term) -> &'a DMatrix<f64>,
+) -> DMatrix<f64> {
+    let mut sum = of(terms[0]) * factors[0];
+    for (term, factor) in terms.iter().zip(factors).skip(1) {
+        sum += of(term) * *factor;
+    }
+    sum
+}
+
+/// Smallest and largest eigenvalue of a symmetric matrix.
+fn ends(matrix: &DMatrix<f64>) -> [f64; 2] {
+    let eigenvalues = SymmetricEigen::new(matrix.clone()).eigenvalues;
+    [eigenvalues.min(), eigenvalues.max()]
 }

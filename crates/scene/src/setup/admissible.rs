@@ -2,7 +2,7 @@
 
 use super::constants::{Smallness, needed};
 use super::regularity::contact_claims;
-use super::{Setup, SetupError};
+use super::{Result, Setup};
 use crate::{Face, Hypothesis, SceneError};
 use exact::{Exact, Sliding};
 use files::digits;
@@ -20,7 +20,7 @@ const ROUNDING: f64 = 1e-9;
 ///
 /// # Errors
 /// The first violated condition, at its key in the scene.
-pub fn admissible(setup: &Setup) -> Result<(), SetupError> {
+pub fn admissible(setup: &Setup) -> Result<()> {
     representable(setup)?;
     smallness(setup)?;
     if let Some(exact) = &setup.exact {
@@ -54,7 +54,7 @@ fn representable(setup: &Setup) -> Result<(), SceneError> {
 }
 
 /// (2.9): α_ν c_j² + α_τ c_τ² < m_𝒜, or with friction that follows the normal law its sharp form.
-fn smallness(setup: &Setup) -> Result<(), SetupError> {
+fn smallness(setup: &Setup) -> Result<()> {
     let scene = &setup.scene;
     if setup.body.is_monotone() || scene.violates.contains(&Hypothesis::Smallness) {
         return Ok(());

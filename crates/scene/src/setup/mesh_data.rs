@@ -1,19 +1,23 @@
 //! Data shared by all cases on one mesh: space, exact solution, reference trajectories, A-projection.
 
+use super::{Result, Setup, SetupError, elasticity, load_check};
+use crate::{Data, LoadForm, Side};
+use algebra::linalg::dot;
+use exact::{ByTime, Exact, ExactOnMesh, InterpolatedOnMesh, Truth};
+use fem::contact::{
+    CaseError, CaseInfo, Discretization, Floors, LevelFields, Load, LoadError, Observer, StepView,
+    facet_measure, march, strain_norm,
+};
+use fem::norms::{
+    ElasticProjection, Moments, ReferenceError, ReferenceRun, Refinement, Trajectory,
+};
+use fem::space::quadrature::{Rule, TruthRules};
+use fem::space::{Simplex, StrainPoint};
+use formula::{BoundProgram, Graph, Node, Program};
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
-
-use super::load_check;
-use super::rule_check::{RuleCheck, check_times, rule_check};
-use super::{GivenLoad, ReferenceTruth, Setup, SetupError};
-use crate::{Data, Side};
-use exact::{Exact, ExactOnMesh, InterpolatedOnMesh, Truth};
-use fem::contact::{
-    CaseError, CaseInfo, Discretization, Load, LoadError, Observer, StepView, march,
-};
-use fem::norms::{ReferenceRun, Trajectory};
-use fem::space::quadrature::TruthRules;
 use vhi::StepSolver;
+use vhi::law::TensorField;
 
 /// Cells in which the accuracy of hereditary integrals is checked.
 const CELLS_ASKED: usize = 16;
@@ -47,11 +51,7 @@ impl MeshData {
     ///
     /// # Errors
     /// A cell that the boundary of a region cuts.
-    pub fn new(
-        setup: &Setup,
-        n: u32,
-        reference: Option<Arc<ReferenceRun>>,
-    ) -> Result<Self, SetupError> {
+    pub fn new(setup: &Setup, n: u32, reference: Option<Arc<ReferenceRun>>) -> Result<Self> {
         let rules = TruthRules::for_element(setup.body.element, setup.scene.dimension);
         let mut data = Self::with_rules(setup, n, reference, &rules)?;
         data.by_scene_rules = Some(data.truth.clone());
@@ -67,7 +67,7 @@ impl MeshData {
         n: u32,
         reference: Option<Arc<ReferenceRun>>,
         rules: &TruthRules,
-    ) -> Result<Self, SetupError> {
+    ) -> Result<Self> {
         let space = setup.space(n)?;
         let truth = truth(setup, setup.exact.as_ref(), &space, reference, rules)?;
         Ok(Self::with_truth(space, truth))
@@ -188,7 +188,7 @@ fn truth(
     space: &Arc<Discretization>,
     reference: Option<Arc<ReferenceRun>>,
     rules: &TruthRules,
-) -> Result<Arc<dyn Truth>, SetupError> {
+) -> Result<Arc<dyn Truth>> {
     Ok(match (&setup.body.data, exact) {
         (Data::Exact { interpolated: true, .. }, Some(exact)) => {
             Arc::new(InterpolatedOnMesh::new(exact.clone(), space.clone(), setup.compliance_rule()))
@@ -217,12 +217,7 @@ pub fn side_numbers(sides: &[Side]) -> Vec<u32> {
 ///
 /// # Errors
 /// The solver's, and those of the mesh.
-pub fn reference_run(
-    setup: &Setup,
-    n: u32,
-    steps: u32,
-    keep_every: u32,
-) -> Result<ReferenceRun, SetupError> {
+pub fn reference_run(setup: &Setup, n: u32, steps: u32, keep_every: u32) -> Result<ReferenceRun> {
     let data = MeshData::new(setup, n, None)?;
     let mut run = ReferenceRun::new(data.space.clone());
     setup.scheme.march(setup, &data, steps, &mut |view| {
@@ -234,4 +229,275 @@ pub fn reference_run(
     // The mesh is kept for the cases, but nothing is solved on it again.
     data.space.forget_factors();
     Ok(run)
+}
+
+// Loads given as formulas f0, f2, and the reference run that replaces their solution.
+
+/// F(t)(v) = ∫ f0·v + ∫_{Γ2} f2·v on one mesh, a term for the body and one for each side.
+pub(crate) struct GivenLoad(Vec<Term>);
+
+impl GivenLoad {
+    /// The load of `body` and `traction` formulas on `space`.
+    pub(crate) fn new(
+        graph: &Graph,
+        horizon: f64,
+        body: &[Node],
+        traction: &[(Side, Vec<Node>)],
+        space: &Discretization,
+        rules: &TruthRules,
+    ) -> Self {
+        let mesh = &space.mesh;
+        let cell = |c| (mesh.cell(c), space.geometry.measure[c], space.cell_nodes(c).to_vec());
+        let node = |&vertex: &u32| space.nodes.of_vertex[vertex as usize];
+        let facet = |f| {
+            let nodes = space.nodes.on_facet(f).iter().map(node).collect();
+            (mesh.facet(f), facet_measure(mesh, f), nodes)
+        };
+        let inside =
+            Term::new((graph, horizon), body, space, &rules.load, (0..mesh.cell_count()).map(cell));
+        let outside = traction.iter().map(|(side, formulas)| {
+            let facets = mesh.facets_on(std::slice::from_ref(&side.0)).map(facet);
+            Term::new((graph, horizon), formulas, space, &rules.traction, facets)
+        });
+        Self(std::iter::once(inside).chain(outside).flatten().collect())
+    }
+
+    fn at(&self, t: f64, space: &Discretization) -> Result<Vec<f64>, LoadError> {
+        let mut force = vec![0.0; space.nodes.len()];
+        self.0.iter().for_each(|term| term.add_to(t, &mut force));
+        force.truncate(space.dofs());
+        if let Some(dof) = force.iter().position(|f| !f.is_finite()) {
+            let vertex = space.nodes.vertex[dof / space.nodes.dimension];
+            let place = space.mesh.vertex(vertex).to_vec();
+            let what = "the load near a vertex".to_string();
+            return Err(LoadError::NotFinite { what, value: force[dof], place, t });
+        }
+        Ok(force)
+    }
+}
+
+/// ∫ f·v over a part of the body or its boundary, of the components of f that are not zero.
+struct Term {
+    dimension: usize,
+    components: Vec<usize>,
+    /// f at the points of the rule.
+    bound: Mutex<BoundProgram>,
+    /// Of each shape function its values at the points of the rule, times their weights.
+    shapes: Vec<Vec<f64>>,
+    /// Of each simplex in turn.
+    measures: Vec<f64>,
+    nodes: Vec<u32>,
+}
+
+impl Term {
+    /// The term on simplices with their corners, measures and nodes; None if f is zero.
+    fn new<'a>(
+        (graph, horizon): (&Graph, f64),
+        formulas: &[Node],
+        space: &'a Discretization,
+        rule: &Rule,
+        simplices: impl Iterator<Item = (&'a [u32], f64, Vec<u32>)>,
+    ) -> Option<Self> {
+        let dimension = space.mesh.dimension;
+        let is_zero = |i: &usize| graph.value_of_constant(formulas[*i]) == Some(0.0);
+        let components: Vec<usize> = (0..formulas.len()).filter(|i| !is_zero(i)).collect();
+        if components.is_empty() {
+            return None;
+        }
+        let simplex = match rule.points[0].len() == dimension {
+            true => Simplex::facet(dimension),
+            false => Simplex::cell(dimension),
+        };
+        let values: Vec<_> =
+            rule.points.iter().map(|b| space.element.values_on(simplex, b)).collect();
+        let of_points =
+            |a: usize| values.iter().zip(&rule.weights).map(|(v, w)| w * v[a]).collect();
+        let shapes = (0..values[0].len()).map(of_points).collect();
+        let (mut points, mut measures, mut nodes) = (Vec::new(), Vec::new(), Vec::new());
+        for (corners, measure, of_simplex) in simplices {
+            points.extend(rule.points.iter().map(|b| space.mesh.point(corners, b)));
+            measures.push(measure);
+            nodes.extend(of_simplex);
+        }
+        let nonzero: Vec<Node> = components.iter().map(|&i| formulas[i]).collect();
+        let bound = Mutex::new(Program::compile(graph, &nonzero, horizon).bind(&points));
+        Some(Self { dimension, components, bound, shapes, measures, nodes })
+    }
+
+    /// Adds the integral at time t to a nodal vector.
+    fn add_to(&self, t: f64, force: &mut [f64]) {
+        let values = self.bound.lock().unwrap_or_else(PoisonError::into_inner).values_at(t, 0.0);
+        for (component, values) in self.components.iter().zip(&values) {
+            let nodes = self.nodes.chunks_exact(self.shapes.len());
+            let of_simplices = nodes.zip(values.chunks_exact(self.shapes[0].len()));
+            for (measure, (nodes, values)) in self.measures.iter().zip(of_simplices) {
+                for (shape, &node) in self.shapes.iter().zip(nodes) {
+                    force[self.dimension * node as usize + component] +=
+                        measure * dot(shape, values);
+                }
+            }
+        }
+    }
+}
+
+/// Given loads on one mesh, with a reference run in place of the exact solution.
+pub(crate) struct ReferenceTruth {
+    space: Arc<Discretization>,
+    load: GivenLoad,
+    reference: Option<Arc<ReferenceRun>>,
+    /// Position of the reference mesh within this one.
+    refinement: OnceLock<Result<Refinement, ReferenceError>>,
+    moments: ByTime<Moments>,
+}
+
+impl ReferenceTruth {
+    /// Loads of `load`, errors against `reference` (None: the run cannot be measured).
+    pub(crate) fn new(
+        space: Arc<Discretization>,
+        load: GivenLoad,
+        reference: Option<Arc<ReferenceRun>>,
+    ) -> Self {
+        let (refinement, moments) = (OnceLock::new(), ByTime::default());
+        Self { space, load, reference, refinement, moments }
+    }
+}
+
+impl Truth for ReferenceTruth {
+    fn load(&self, t: f64) -> Result<Arc<Vec<f64>>, LoadError> {
+        self.load.at(t, &self.space).map(Arc::new)
+    }
+
+    fn moments(&self, t: f64) -> Result<Arc<Moments>, LoadError> {
+        let reference = self.reference.as_ref().ok_or(LoadError::NoTruth { t })?;
+        let refused = |error: &ReferenceError| LoadError::Reference { reason: error.to_string() };
+        let refinement = self.refinement.get_or_init(|| reference.refinement(&self.space));
+        let refinement = refinement.as_ref().map_err(refused)?;
+        self.moments.get_or(t, || {
+            reference.moments(refinement, &self.space, t).map_err(|error| refused(&error))
+        })
+    }
+}
+
+// Quadrature error of loads and errors on a mesh, by comparison with the next rule at a few times.
+
+/// Factor of the largest response of A = 𝒜 + μ to a difference of loads, for all times. The response bounds the change
+/// of an error, which is smaller, since errors are nearly orthogonal to V^h (`sweep check --floors` measures it).
+const SAFETY: f64 = 1.5;
+
+/// Parts of [0, T] at whose ends rules are compared: once with moving fronts, once at the end, where some scenes have
+/// none.
+const TIMES: u32 = 2;
+/// Times on meshes of few cells, where two times may miss a front.
+const TIMES_ON_FEW: u32 = 4;
+const FEW: usize = 4096;
+
+/// Relative rounding of equal times.
+const SAME_TIME: f64 = 1e-9;
+
+/// Comparison of loads and moments with the next rules.
+#[derive(Debug, Default)]
+pub struct RuleCheck {
+    /// Contribution of the load quadrature to each norm.
+    pub floors: Floors,
+    /// Moments of the exact fields by the next rule, with their times.
+    moments: Vec<(f64, Arc<Moments>)>,
+}
+
+impl RuleCheck {
+    /// The moments by the next rule, if t is one of the compared times.
+    pub fn moments(&self, t: f64) -> Option<&Moments> {
+        let close = |(time, _): &&(f64, Arc<Moments>)| (time - t).abs() <= SAME_TIME * t.abs();
+        self.moments.iter().find(close).map(|(_, moments)| &**moments)
+    }
+}
+
+/// The times at which rules are compared.
+pub(super) fn check_times(setup: &Setup, cells: usize) -> Vec<f64> {
+    let steps = setup.scene.sweep.as_ref().and_then(|sweep| sweep.steps.iter().max());
+    let most = if cells <= FEW { TIMES_ON_FEW } else { TIMES };
+    let parts = steps.map_or(most, |&steps| most.min(steps));
+    (1..=parts).map(|i| setup.scene.time.horizon * f64::from(i) / f64::from(parts)).collect()
+}
+
+/// Compares the rules; `usual` are loads and fields by the scene's rules, if available, and `truth` makes them by given
+/// rules, the next ones with error estimates of hereditary integrals. Fields by the next rules are not kept: their
+/// formulas take more memory than the case.
+///
+/// # Errors
+/// A load or field that is not finite, a mesh on which A cannot be factorized.
+pub(super) fn rule_check(
+    setup: &Setup,
+    space: &Discretization,
+    usual: Option<Arc<dyn Truth>>,
+    truth: impl Fn(&TruthRules, bool) -> Result<Arc<dyn Truth>, LoadError>,
+) -> Result<RuleCheck, LoadError> {
+    let times = check_times(setup, space.mesh.cell_count());
+    let loads = |truth: &dyn Truth| -> Result<Vec<Arc<Vec<f64>>>, LoadError> {
+        times.iter().map(|&t| truth.load(t)).collect()
+    };
+    let (element, d) = (space.element, setup.scene.dimension);
+    let usual = usual.map_or_else(|| truth(&TruthRules::for_element(element, d), false), Ok)?;
+    let next = || truth(&TruthRules::stronger_for(element, d), true);
+    let mut stronger = next()?;
+    let moments = match setup.exact.is_some() {
+        // Moments of a reference run are exact.
+        false => Vec::new(),
+        true => {
+            let at = |&t: &f64| Ok((t, stronger.moments(t)?));
+            times.iter().map(at).collect::<Result<_, LoadError>>()?
+        }
+    };
+    if matches!(setup.body.data, Data::Exact { form: LoadForm::Strong, .. }) {
+        // Frees the points of the moments before those of the loads are made; in the weak form they are shared.
+        stronger = next()?;
+    }
+    let pairs = [loads(&*usual)?, loads(&*stronger)?];
+    let elastic = elasticity(&setup.body.material);
+    let floors = load_floors(space, &pairs, &elastic, setup.projection_mu())?;
+    Ok(RuleCheck { floors, moments })
+}
+
+/// Floors from load vectors at equal times by two rules; `elasticity` and `mu` are the scene's.
+fn load_floors(
+    space: &Discretization,
+    [usual, stronger]: &[Vec<Arc<Vec<f64>>>; 2],
+    elasticity: &TensorField,
+    mu: f64,
+) -> Result<Floors, LoadError> {
+    let mut operator = ElasticProjection::new(space, elasticity, mu)
+        .map_err(|error| LoadError::Reference { reason: error.to_string() })?;
+    let still = LevelFields { u: vec![0.0; space.nodes.len()], ..LevelFields::default() };
+    // Stresses follow strains by the largest modulus; on Γ3 strains are those of its cells.
+    let largest = elasticity.eigenvalues(space.mesh.dimension).1;
+    let mut floors = Floors::default();
+    for (usual, stronger) in usual.iter().zip(stronger) {
+        let difference: Vec<f64> = stronger.iter().zip(&**usual).map(|(a, b)| a - b).collect();
+        let u = operator.response(&difference);
+        let pressure = largest * strain_on_contact(space, &u);
+        let moved = LevelFields { u, ..LevelFields::default() }.distance(&still, space);
+        floors = floors.max(Floors { stress: largest * moved.v, pressure, ..moved });
+    }
+    Ok(floors.times(SAFETY))
+}
+
+/// ‖ε(v)‖ on Γ3, from the cells with a side on it: a cell of measure m has about 2m/h of Γ3. In space the norm in the
+/// body is used.
+fn strain_on_contact(space: &Discretization, v: &[f64]) -> f64 {
+    if space.mesh.dimension != 2 {
+        return strain_norm(space, v);
+    }
+    let mut on_contact = vec![false; space.mesh.vertices()];
+    for &facet in &space.trace.mesh_facet {
+        let corners = space.mesh.facet(facet as usize).iter();
+        corners.for_each(|&vertex| on_contact[vertex as usize] = true);
+    }
+    let touches = |at: &StrainPoint<'_>| {
+        let corners = space.mesh.cell(at.cell).iter();
+        corners.filter(|&&vertex| on_contact[vertex as usize]).count() > 1
+    };
+    let squares = space
+        .points()
+        .filter(touches)
+        .map(|at| at.weight * at.strain::<3>(v).iter().map(|e| e * e).sum::<f64>());
+    (2.0 * squares.sum::<f64>() / space.mesh.h()).sqrt()
 }

@@ -1,48 +1,34 @@
 //! A validated scene made computable: the model with its laws, spaces and exact solution.
 
-mod abstract_constants;
 mod abstract_setup;
 mod admissible;
 mod constants;
-mod contraction;
 mod formulas;
-mod given_load;
-mod kernel_bounds;
 mod laws;
 mod load_check;
 mod material;
-mod memory_norms;
 mod mesh_data;
 mod regularity;
-mod rule_check;
-mod scheme;
-mod step_size;
 mod subject;
 mod trace_constant;
 mod yield_slope;
 
 use std::sync::Arc;
 
-pub use abstract_constants::AbstractConstants;
-pub use abstract_setup::{AbstractLoad, AbstractRun, AbstractSetup};
+pub use abstract_setup::{AbstractConstants, AbstractLoad, AbstractRun, AbstractSetup};
 pub use admissible::admissible;
 pub use constants::{
-    Constants, Coulomb, RegionSlot, Smallness, constants, step_bounds, with_trace_constants,
+    Constants, Coulomb, MemoryNorms, RegionSlot, Smallness, abstract_decomposition_bound,
+    constants, decomposition_bound, step_bounds, with_trace_constants,
 };
-pub use contraction::{abstract_decomposition_bound, decomposition_bound};
 pub(crate) use formulas::KernelFormula;
 pub use formulas::YieldFormula;
 use formulas::{on_contact, on_contact_in_time};
-pub(crate) use given_load::{GivenLoad, ReferenceTruth};
 use laws::potential;
 pub use material::{cell_regions, elasticity, memory_tensor};
-pub use memory_norms::MemoryNorms;
-pub use mesh_data::{MeshData, TruthLoad, reference_run, side_numbers};
+pub use mesh_data::{MeshData, RuleCheck, TruthLoad, reference_run, side_numbers};
 pub use regularity::{abstract_regularity, sides};
-pub use rule_check::RuleCheck;
-pub use scheme::{NewtonMarch, Scheme};
-pub use step_size::{StepRemark, check_step_sizes, subject_bounds};
-pub use subject::Subject;
+pub use subject::{NewtonMarch, Scheme, StepRemark, Subject, check_step_sizes, subject_bounds};
 pub use trace_constant::{TraceConstant, trace_cells, trace_constant};
 pub use yield_slope::{YieldSlope, ZetaFrom};
 
@@ -54,6 +40,9 @@ use fem::space::Element;
 use vhi::finite::FiniteError;
 use vhi::history::{FastConvolution, TimeGrid};
 use vhi::law::{AnyProjection, Summed, VonMises};
+
+/// What is made of a scene.
+pub type Result<T, E = SetupError> = std::result::Result<T, E>;
 
 /// Why a scene could not be set up or run.
 #[derive(Debug, thiserror::Error)]
@@ -91,7 +80,7 @@ impl Setup {
     ///
     /// # Errors
     /// Those of [`admissible`]; κ without a Lipschitz constant.
-    pub fn new(scene: Scene) -> Result<Self, SetupError> {
+    pub fn new(scene: Scene) -> Result<Self> {
         let Body::Contact(body) = &scene.body else {
             let message = "an abstract problem has no body, mesh or contact";
             let hint =
@@ -114,15 +103,11 @@ impl Setup {
     ///
     /// # Errors
     /// A cell that the boundary of a region cuts.
-    pub fn space(&self, n: u32) -> Result<Arc<Discretization>, SetupError> {
+    pub fn space(&self, n: u32) -> Result<Arc<Discretization>> {
         self.with_regions(self.space_of(self.body.element, n), n)
     }
 
-    fn with_regions(
-        &self,
-        mut space: Discretization,
-        n: u32,
-    ) -> Result<Arc<Discretization>, SetupError> {
+    fn with_regions(&self, mut space: Discretization, n: u32) -> Result<Arc<Discretization>> {
         let material = &self.body.material;
         space.regions = material::cell_regions(&self.scene, material, &space.mesh, n)?;
         Ok(Arc::new(space))

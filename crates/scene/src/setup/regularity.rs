@@ -1,6 +1,6 @@
 //! Regularity hypotheses: measured, and compared with what a scene claims to violate.
 
-use super::{AbstractSetup, Setup, SetupError};
+use super::{AbstractSetup, Result, Setup};
 use crate::{AbstractScene, ContactScene, Face, Hypothesis, Scene, Shape, Side};
 use exact::{
     Finding, SideOfBox, Status, regularity_in_space, regularity_in_time, second_difference,
@@ -53,7 +53,7 @@ pub fn abstract_regularity(scene: &Scene, problem: &AbstractScene) -> Vec<Findin
 ///
 /// # Errors
 /// A claim without a supporting finding.
-pub(super) fn abstract_claims(setup: &AbstractSetup) -> Result<(), SetupError> {
+pub(super) fn abstract_claims(setup: &AbstractSetup) -> Result<()> {
     let scene = &setup.scene;
     claim(scene, Hypothesis::RegularInSpace, Vec::new)?;
     claim(scene, Hypothesis::RegularInTime, || abstract_regularity(scene, &setup.problem))
@@ -63,7 +63,7 @@ pub(super) fn abstract_claims(setup: &AbstractSetup) -> Result<(), SetupError> {
 ///
 /// # Errors
 /// A claim without a supporting finding.
-pub(super) fn contact_claims(setup: &Setup) -> Result<(), SetupError> {
+pub(super) fn contact_claims(setup: &Setup) -> Result<()> {
     let Some(exact) = &setup.exact else { return Ok(()) };
     let sides = sides(&setup.body);
     claim(&setup.scene, Hypothesis::RegularInSpace, || regularity_in_space(exact, &sides))?;
@@ -74,7 +74,7 @@ fn claim(
     scene: &Scene,
     hypothesis: Hypothesis,
     findings: impl FnOnce() -> Vec<Finding>,
-) -> Result<(), SetupError> {
+) -> Result<()> {
     let Some(index) = scene.violates.iter().position(|&claimed| claimed == hypothesis) else {
         return Ok(());
     };

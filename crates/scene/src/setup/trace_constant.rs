@@ -8,7 +8,7 @@
 use std::f64::consts::{PI, SQRT_2};
 use std::sync::{Arc, Mutex, PoisonError};
 
-use super::{SetupError, side_numbers};
+use super::{Result, SetupError, side_numbers};
 use crate::{Domain, Shape};
 use fem::contact::{Discretization, TraceMass, TracePart, trace_constants};
 use fem::mesh::{BoundaryFacet, CoarseMesh, Family, lattice};
@@ -129,7 +129,7 @@ pub fn trace_constant(
     domain: &Domain,
     tensor: &TensorField,
     part: TracePart,
-) -> Result<TraceConstant, SetupError> {
+) -> Result<TraceConstant> {
     let asked = Asked {
         shape: domain.shape.clone(),
         size: domain.size.clone(),
@@ -167,7 +167,7 @@ pub fn trace_constant(
 
 impl Asked {
     /// On each space, up to one that attains the bound.
-    fn values(&self, bound: Option<f64>) -> Result<Vec<(usize, f64)>, SetupError> {
+    fn values(&self, bound: Option<f64>) -> Result<Vec<(usize, f64)>> {
         let mut coarse = coarse(&self.shape, &self.size);
         // The constant is a length: computed in a unit near to that of the domain, a power of two.
         let unit = coarse.longest_edge().log2().floor().exp2();

@@ -11,9 +11,8 @@
 
 use formula::{Interval, Variable};
 
-use super::constants::{Constants, constants};
-use super::memory_norms::Memory;
-use super::{MeshData, Setup, SetupError};
+use super::constants::{Constants, Memory, constants};
+use super::{MeshData, Result, Setup, SetupError};
 use crate::{Face, Hypothesis};
 use algebra::linalg::{dot, larger};
 use fem::contact::StiffnessInverse;
@@ -74,7 +73,7 @@ const MOST_CELLS: f64 = 16_384.0;
 ///
 /// # Errors
 /// κ without a bound of |κ'| for all ζ, where no ζ is known that a run can reach.
-pub(super) fn yield_slope(setup: &Setup) -> Result<YieldSlope, SetupError> {
+pub(super) fn yield_slope(setup: &Setup) -> Result<YieldSlope> {
     let projection = setup.body.material.projection.as_ref().filter(|given| given.mu > 0.0);
     let lipschitz = projection.map_or(0.0, |given| given.lipschitz);
     let everywhere = YieldSlope { lipschitz, zeta: f64::INFINITY, from: ZetaFrom::Everywhere };
@@ -107,7 +106,7 @@ pub(super) fn yield_slope(setup: &Setup) -> Result<YieldSlope, SetupError> {
 }
 
 /// The a priori bound of ζ(T), infinite if 0 ∉ U or m0 ≤ 0.
-fn a_priori(setup: &Setup) -> Result<f64, SetupError> {
+fn a_priori(setup: &Setup) -> Result<f64> {
     let found = constants(setup)?;
     // Of a coarse mesh: the margin makes up for what it misses of the loads.
     let mut n = if setup.scene.dimension == 3 { 2 } else { 8 };

@@ -3,8 +3,8 @@
 
 use super::UnderTest;
 use super::rung::{
-    Ladder, Measured, Relation, Rung, SceneAnswer, Unanswered, march, power_of_ten, relative,
-    set_up, solve,
+    Ladder, Measured, Relation, Result, Rung, SceneAnswer, Unanswered, march, power_of_ten,
+    relative, set_up, solve,
 };
 use super::scalars::step_in_words;
 use algebra::linalg::largest;
@@ -337,7 +337,7 @@ pub(super) struct InSpace {
 }
 
 impl InSpace {
-    fn run(text: String, n: u32, under_test: &UnderTest<'_>) -> Result<Self, Unanswered> {
+    fn run(text: String, n: u32, under_test: &UnderTest<'_>) -> Result<Self> {
         let setup = set_up(text, under_test.prepare)?;
         let data = MeshData::new(&setup, n, None).map_err(Unanswered::refused)?;
         let answer = march(&setup, &data, 1)?;

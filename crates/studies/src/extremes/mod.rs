@@ -7,10 +7,10 @@ mod rung;
 mod scalars;
 mod units;
 
-pub use rung::admit;
-pub use rung::{Climb, Ladder, Largest, Measured, Rung, UnderTest};
-pub use rung::{Prepare, SceneAnswer, Unanswered, solve};
-pub use rung::{claims, climb, found};
+pub use rung::{
+    Climb, Ladder, Largest, Measured, Prepare, Rung, SceneAnswer, Unanswered, UnderTest, admit,
+    claims, climb, found, solve,
+};
 pub use units::{Unitless, Units};
 
 /// All ladders. The largest meshes are climbed only where `long` says so.

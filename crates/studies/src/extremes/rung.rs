@@ -41,7 +41,7 @@ impl Measured {
 }
 
 /// Runs a rung with the parts under test.
-pub type Climb = dyn Fn(&UnderTest<'_>) -> Result<Measured, Unanswered> + Send + Sync;
+pub type Climb = dyn Fn(&UnderTest<'_>) -> Result<Measured> + Send + Sync;
 
 /// One value of the parameter.
 pub struct Rung {
@@ -69,7 +69,7 @@ impl Rung {
     pub(crate) fn new(
         at: impl Into<String>,
         expected: Relation,
-        run: impl Fn(&UnderTest<'_>) -> Result<Measured, Unanswered> + Send + Sync + 'static,
+        run: impl Fn(&UnderTest<'_>) -> Result<Measured> + Send + Sync + 'static,
     ) -> Self {
         Self { at: at.into(), expected, run: Box::new(run), largest: None }
     }
@@ -138,6 +138,9 @@ pub struct SceneAnswer {
     pub kkt: f64,
 }
 
+/// What a rung shows.
+pub type Result<T, E = Unanswered> = std::result::Result<T, E>;
+
 /// Why there is no answer.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum Unanswered {
@@ -158,7 +161,7 @@ impl Unanswered {
 }
 
 /// `run`, with a panic as a value: the other rungs go on.
-pub(super) fn caught<T>(run: impl FnOnce() -> Result<T, Unanswered>) -> Result<T, Unanswered> {
+pub(super) fn caught<T>(run: impl FnOnce() -> Result<T>) -> Result<T> {
     without_panic(|| Ok(run())).unwrap_or_else(|text| Err(Unanswered::Panicked(text)))
 }
 
@@ -166,7 +169,7 @@ pub(super) fn caught<T>(run: impl FnOnce() -> Result<T, Unanswered>) -> Result<T
 ///
 /// # Errors
 /// What scene or setup refuse.
-pub(crate) fn set_up(text: String, prepare: &Prepare<'_>) -> Result<Setup, Unanswered> {
+pub(crate) fn set_up(text: String, prepare: &Prepare<'_>) -> Result<Setup> {
     let source = Source::from_text("extreme.toml", text);
     let scene = Scene::from_source(source).map_err(Unanswered::refused)?;
     Ok(prepare(Setup::new(scene).map_err(Unanswered::refused)?))
@@ -176,12 +179,7 @@ pub(crate) fn set_up(text: String, prepare: &Prepare<'_>) -> Result<Setup, Unans
 ///
 /// # Errors
 /// What scene, setup or solver refuse.
-pub fn solve(
-    text: String,
-    n: u32,
-    steps: u32,
-    prepare: &Prepare<'_>,
-) -> Result<SceneAnswer, Unanswered> {
+pub fn solve(text: String, n: u32, steps: u32, prepare: &Prepare<'_>) -> Result<SceneAnswer> {
     let setup = set_up(text, prepare)?;
     let data = MeshData::new(&setup, n, None).map_err(Unanswered::refused)?;
     march(&setup, &data, steps)
@@ -191,7 +189,7 @@ pub fn solve(
 ///
 /// # Errors
 /// The solver's.
-pub(crate) fn march(setup: &Setup, data: &MeshData, steps: u32) -> Result<SceneAnswer, Unanswered> {
+pub(crate) fn march(setup: &Setup, data: &MeshData, steps: u32) -> Result<SceneAnswer> {
     let mut answer = SceneAnswer::default();
     let exact = setup.exact.is_some();
     let info = setup.scheme.march(setup, data, steps, &mut |view| {
@@ -260,7 +258,7 @@ pub fn claims(
     ladder: &Ladder,
     at: &str,
     expected: Relation,
-    outcome: &Result<Measured, Unanswered>,
+    outcome: &Result<Measured>,
 ) -> Vec<Claim> {
     let statement = Statement { source: ladder.name, says: ladder.quantity };
     let place = Place { at: at.to_owned(), ..Place::default() };

@@ -1,6 +1,6 @@
 //! Ladders of Problem 1 in ℝ: smallness m0 → 0±, and step sizes up to and beyond every bound of (3.4).
 
-use super::rung::{Ladder, Measured, Relation, Rung, Unanswered, UnderTest, power_of_ten};
+use super::rung::{Ladder, Measured, Relation, Result, Rung, Unanswered, UnderTest, power_of_ten};
 use scene::setup::{AbstractSetup, Subject, check_step_sizes};
 use scene::{Scene, Source};
 use vhi::{FixedPoint, StepSolver};
@@ -26,7 +26,7 @@ fn scalar(q: f64, alpha: f64, horizon: f64, u: &str) -> String {
 }
 
 /// The relative error of a scene in ℝ after so many steps.
-fn error(text: String, steps: u32, solver: &dyn StepSolver) -> Result<Measured, Unanswered> {
+fn error(text: String, steps: u32, solver: &dyn StepSolver) -> Result<Measured> {
     let scene =
         Scene::from_source(Source::from_text("scalar.toml", text)).map_err(Unanswered::refused)?;
     let setup = AbstractSetup::new(scene).map_err(Unanswered::refused)?;

@@ -146,7 +146,7 @@ impl ContractionStudy {
     ///
     /// # Errors
     /// [`BoundError::NoLevel`] if there is none.
-    pub(super) fn of_levels(levels: Vec<FactorAtLevel>, steps: u32) -> Result<Self, BoundError> {
+    pub(super) fn of_levels(levels: Vec<FactorAtLevel>, steps: u32) -> Result<Self> {
         let worse = |best: FactorAtLevel, next: &FactorAtLevel| {
             if next.norm >= best.norm * (1.0 - EQUAL) { *next } else { best }
         };
@@ -165,7 +165,7 @@ impl ContractionStudy {
         level: &mut L,
         state: StepState,
         bounds: &StepBounds,
-    ) -> Result<(), BoundError> {
+    ) -> Result<()> {
         self.starts = random_starts(level, &state, MANY_STARTS);
         if bounds.m0.is_nan() || bounds.m0 <= 0.0 {
             self.not_followed = Some(format!(
@@ -231,7 +231,7 @@ impl<'a, L: FrozenDerivative> StepLadder<'a, L> {
     ///
     /// # Errors
     /// A frozen level that cannot be solved, an eigenvalue that does not settle.
-    pub fn rung(&mut self, k: f64) -> Result<StepRung, BoundError> {
+    pub fn rung(&mut self, k: f64) -> Result<StepRung> {
         let near = self.solutions.last().unwrap_or(&self.of_run).clone();
         let (followed, newton) = match self.solve(k, &near) {
             Ok((state, iterations)) => (state, Ok(iterations)),
@@ -268,7 +268,7 @@ impl<'a, L: FrozenDerivative> StepLadder<'a, L> {
 
     /// A solution at k with a regular tangent by Newton's method from the last of the known solutions, then from a line
     /// through the last two, from earlier ones, that of the run and a random state; else what the first of them says.
-    fn regular(&mut self, k: f64, known: &[At]) -> Result<Result<At, String>, BoundError> {
+    fn regular(&mut self, k: f64, known: &[At]) -> Result<Result<At, String>> {
         let back = |places: usize| known.len().checked_sub(places).map(|i| &known[i]);
         let Some(last) = back(1) else { return Ok(Err(String::new())) };
         let mut starts = vec![last.state.clone()];
@@ -308,7 +308,7 @@ impl<'a, L: FrozenDerivative> StepLadder<'a, L> {
     /// Where factors reach one, and where the step loses its solution, by bisection between the last rung that has one and
     /// the first that has not: what Newton's method does not reach from afar it may reach from nearer, so a solution that
     /// is found doubles the next step.
-    fn thresholds(&mut self, rungs: &[StepRung]) -> Result<Thresholds, BoundError> {
+    fn thresholds(&mut self, rungs: &[StepRung]) -> Result<Thresholds> {
         let (mut path, mut loss): (Vec<At>, Option<Loss>) = (Vec::new(), None);
         let solutions = std::mem::take(&mut self.solutions);
         for (rung, state) in rungs.iter().zip(solutions) {
@@ -338,7 +338,7 @@ impl<'a, L: FrozenDerivative> StepLadder<'a, L> {
                 break;
             }
         }
-        let mut reaches = |which: usize| -> Result<_, BoundError> {
+        let mut reaches = |which: usize| -> Result<_> {
             if path.iter().all(|at| at.factors[which] == 0.0) {
                 return Ok(None);
             }
@@ -366,7 +366,7 @@ fn factors<L: FrozenDerivative>(
     k: f64,
     eta: &[f64],
     state: &StepState,
-) -> Result<Contraction, BoundError> {
+) -> Result<Contraction> {
     contraction(level, eta, state).map_err(|source| BoundError::Factor { k, source })
 }
 
@@ -377,7 +377,7 @@ fn factors<L: FrozenDerivative>(
 pub(super) fn all_levels<L: FrozenDerivative<Error: Into<BoundError>>>(
     level: &mut L,
     bounds: &StepBounds,
-) -> Result<Vec<FactorAtLevel>, BoundError> {
+) -> Result<Vec<FactorAtLevel>> {
     let grid: TimeGrid = level.grid().clone();
     let mut found = Vec::new();
     run_to(level, grid.steps(), |level, number, state| {
@@ -401,8 +401,8 @@ pub(super) fn all_levels<L: FrozenDerivative<Error: Into<BoundError>>>(
 pub(super) fn run_to<L: FrozenDerivative<Error: Into<BoundError>>>(
     level: &mut L,
     last: usize,
-    mut see: impl FnMut(&mut L, usize, &mut StepState) -> Result<(), BoundError>,
-) -> Result<StepState, BoundError> {
+    mut see: impl FnMut(&mut L, usize, &mut StepState) -> Result<()>,
+) -> Result<StepState> {
     let graphs = level.graph().coordinates.len();
     let mut state = StepState { u: vec![0.0; level.dofs()], pressure: vec![0.0; graphs] };
     for number in 0..=last {
@@ -416,15 +416,14 @@ pub(super) fn run_to<L: FrozenDerivative<Error: Into<BoundError>>>(
     Ok(state)
 }
 
-fn implicit<L: FrozenDerivative>(
-    level: &mut L,
-    state: &mut StepState,
-    n: usize,
-) -> Result<(), BoundError> {
+fn implicit<L: FrozenDerivative>(level: &mut L, state: &mut StepState, n: usize) -> Result<()> {
     let t = level.grid().time(n);
     solve(level, None, state).map_err(|source| FailedStep { n, t, source })?;
     Ok(())
 }
+
+/// What is measured at a level.
+pub type Result<T, E = BoundError> = std::result::Result<T, E>;
 
 /// Why a step-size study could not be made.
 #[derive(Debug, thiserror::Error)]

@@ -6,8 +6,8 @@ mod ladder;
 pub mod sampled;
 
 pub use ladder::{
-    BoundError, Contraction, ContractionStudy, Crossing, FactorAtLevel, Loss, Starts, StepLadder,
-    StepRung, Thresholds, contraction, finite_factor,
+    BoundError, Contraction, ContractionStudy, Crossing, FactorAtLevel, Loss, Result, Starts,
+    StepLadder, StepRung, Thresholds, contraction, finite_factor,
 };
 pub use sampled::{Constant, Obtained};
 
@@ -116,7 +116,7 @@ impl BoundStudy {
     ///
     /// # Errors
     /// [`BoundError`].
-    pub fn new(setup: &Setup, n: u32, steps: u32) -> Result<Self, BoundError> {
+    pub fn new(setup: &Setup, n: u32, steps: u32) -> Result<Self> {
         if setup.model.time_rule.last_share() == 0.0 {
             return Err(BoundError::NoLastSlot);
         }
@@ -150,7 +150,7 @@ impl BoundStudy {
     ///
     /// # Errors
     /// [`BoundError`].
-    pub fn of_abstract(setup: &AbstractSetup, steps: u32) -> Result<Self, BoundError> {
+    pub fn of_abstract(setup: &AbstractSetup, steps: u32) -> Result<Self> {
         let (model, c) = (&setup.model, &setup.constants);
         if model.time_rule.last_share() == 0.0 {
             return Err(BoundError::NoLastSlot);
@@ -278,12 +278,7 @@ pub fn claims(bounds: &StepBounds, rungs: &[StepRung], found: &Thresholds) -> Ve
 ///
 /// # Errors
 /// [`BoundError`].
-pub fn study(
-    setup: &Setup,
-    bounds: &StepBounds,
-    n: u32,
-    steps: u32,
-) -> Result<ContractionStudy, BoundError> {
+pub fn study(setup: &Setup, bounds: &StepBounds, n: u32, steps: u32) -> Result<ContractionStudy> {
     let data = MeshData::new(setup, n, None)?;
     let levels = on_run(setup, &data, steps, |level| ladder::all_levels(level, bounds))?;
     let mut study = ContractionStudy::of_levels(levels, steps)?;
@@ -311,8 +306,8 @@ pub fn at_level<T>(
     data: &MeshData,
     steps: u32,
     number: usize,
-    see: impl FnOnce(&mut Evolution<'_>, StepState) -> Result<T, BoundError>,
-) -> Result<T, BoundError> {
+    see: impl FnOnce(&mut Evolution<'_>, StepState) -> Result<T>,
+) -> Result<T> {
     on_run(setup, data, steps, |level| {
         let state = ladder::run_to(level, number, |_, _, _| Ok(()))?;
         see(level, state)
@@ -324,8 +319,8 @@ fn on_run<T>(
     setup: &Setup,
     data: &MeshData,
     steps: u32,
-    see: impl FnOnce(&mut Evolution<'_>) -> Result<T, BoundError>,
-) -> Result<T, BoundError> {
+    see: impl FnOnce(&mut Evolution<'_>) -> Result<T>,
+) -> Result<T> {
     let grid = setup.grid(steps);
     let mut load = TruthLoad(&*data.truth);
     see(&mut Evolution::new(&data.space, &setup.model, &grid, &mut load)?)

@@ -1,7 +1,7 @@
 //! The constants of a scene, and what its law declares, (2.8b) and (2.8c), against samples. A sample can refute a constant,
 //! not prove it.
 
-use super::BoundError;
+use super::Result;
 use Obtained::{Computed, Declared, Extrapolated, Proved};
 use algebra::linalg::{larger, signed_unit};
 use fem::contact::{Discretization, TraceMass, TracePart, trace_constants};
@@ -176,12 +176,12 @@ impl TraceConstants {
     ///
     /// # Errors
     /// A stiffness matrix that cannot be factorized.
-    pub(super) fn new(setup: &Setup, space: &Discretization) -> Result<Option<Self>, BoundError> {
+    pub(super) fn new(setup: &Setup, space: &Discretization) -> Result<Option<Self>> {
         let domain = &setup.body.domain;
         if domain.contact.is_empty() {
             return Ok(None);
         }
-        let of = |tensor: &TensorField, part| -> Result<OnMesh, BoundError> {
+        let of = |tensor: &TensorField, part| -> Result<OnMesh> {
             let squares = [TraceMass::Consistent, TraceMass::Lumped].map(|mass| (part, mass));
             let values = trace_constants(space, tensor, squares)?.map(|found| found.value);
             let limit = tensor.is_uniform().then(|| trace_constant(domain, tensor, part));

@@ -530,23 +530,19 @@ pub trait InTime {
     ///
     /// # Errors
     /// A formula that is not finite.
-    fn loads(&self, grid: &TimeGrid) -> Result<Levels, GronwallError>;
+    fn loads(&self, grid: &TimeGrid) -> Result<Levels>;
 
     /// ‖·‖_* of each vector.
     ///
     /// # Errors
     /// A factorization's.
-    fn dual_norms(&self, loads: &[Vec<f64>]) -> Result<Vec<f64>, GronwallError>;
+    fn dual_norms(&self, loads: &[Vec<f64>]) -> Result<Vec<f64>>;
 
     /// u_0^k, …, u_N^k under these loads, and the floor of the run.
     ///
     /// # Errors
     /// The run fails.
-    fn solutions(
-        &self,
-        grid: &TimeGrid,
-        loads: &[Vec<f64>],
-    ) -> Result<(Levels, f64), GronwallError>;
+    fn solutions(&self, grid: &TimeGrid, loads: &[Vec<f64>]) -> Result<(Levels, f64)>;
 
     /// ‖u - v‖_X.
     fn distance(&self, u: &[f64], v: &[f64]) -> f64;
@@ -558,17 +554,13 @@ pub trait InTime {
     ///
     /// # Errors
     /// A formula that is not finite, a grid that the truth does not have.
-    fn known(&self, grid: &TimeGrid) -> Result<Known, GronwallError>;
+    fn known(&self, grid: &TimeGrid) -> Result<Known>;
 
     /// A run against the truth.
     ///
     /// # Errors
     /// As [`Self::known`].
-    fn compared(
-        &self,
-        grid: TimeGrid,
-        (run, floor): (Levels, f64),
-    ) -> Result<Estimate, GronwallError> {
+    fn compared(&self, grid: TimeGrid, (run, floor): (Levels, f64)) -> Result<Estimate> {
         let Known { u, truncation, factors, unknown } = self.known(&grid)?;
         let terms = self.terms(&grid);
         let both = || truncation[0].iter().zip(&truncation[1]);
@@ -584,7 +576,7 @@ pub trait InTime {
     ///
     /// # Errors
     /// The run or the truth fails.
-    fn measure(&self, steps: u32) -> Result<Estimate, GronwallError> {
+    fn measure(&self, steps: u32) -> Result<Estimate> {
         let grid = self.grid(steps);
         let run = self.solutions(&grid, &self.loads(&grid)?)?;
         self.compared(grid, run)
@@ -611,6 +603,9 @@ impl GivenLoads<'_> {
         Some(&self.1[n])
     }
 }
+
+/// What is evaluated on a run.
+pub type Result<T, E = GronwallError> = std::result::Result<T, E>;
 
 /// What ends a study before it can judge.
 #[derive(Debug, thiserror::Error)]
@@ -655,7 +650,7 @@ pub(super) const OWN_WEIGHTS: &str = ": the rule corrects its last weight by the
 pub(super) const NO_HISTORY: &str = " has no history (neither memory nor a yield limit that depends on zeta), so its error in time is zero";
 
 /// (2.9), with a bound of c_j².
-pub(super) fn smallness(scene: &scene::Scene, m0: f64) -> Result<(), GronwallError> {
+pub(super) fn smallness(scene: &scene::Scene, m0: f64) -> Result<()> {
     let why = format!(
         ": m0 = {m0:.6} is not positive with an upper bound of c_j^2; flatten the falling branch of the law"
     );

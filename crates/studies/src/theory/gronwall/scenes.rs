@@ -8,10 +8,9 @@
 
 use super::super::norms::{DualNorm, remembered, stress_norm};
 use super::recurrence::{
-    Estimate, GivenLoads, GronwallError, InTime, Known, Levels, NO_HISTORY, OWN_WEIGHTS, Terms,
-    named, refused, smallness,
+    Estimate, GivenLoads, GronwallError, HistoryPart, InTime, KernelNorms, Known, Levels,
+    NO_HISTORY, OWN_WEIGHTS, Result, Terms, Weights, named, refused, smallness,
 };
-use super::recurrence::{HistoryPart, KernelNorms, Weights};
 use exact::InterpolatedOnMesh;
 use fem::contact::{
     Load, LoadError, MemoryTerm, Model, StepView, kkt_residual, march, strain_distance, strain_norm,
@@ -49,7 +48,7 @@ impl GronwallConstants {
     ///
     /// # Errors
     /// A rule with weights for each kernel, no history, no proved bound of c_j², m0 ≤ 0, κ not Lipschitz.
-    pub fn new(setup: &Setup) -> Result<Self, GronwallError> {
+    pub fn new(setup: &Setup) -> Result<Self> {
         let (found, scene) = (constants(setup)?, &setup.scene);
         let Some(weights) = Weights::of(scene.time.rule, found.singular.0) else {
             return Err(refused(scene, OWN_WEIGHTS));
@@ -133,7 +132,7 @@ impl<'a> ContactInTime<'a> {
     ///
     /// # Errors
     /// Constants, loads or a reference run that cannot be had.
-    pub fn new(setup: &'a Setup, n: u32, steps: &[u32]) -> Result<Self, GronwallError> {
+    pub fn new(setup: &'a Setup, n: u32, steps: &[u32]) -> Result<Self> {
         let constants = GronwallConstants::new(setup)?;
         let data = MeshData::new(setup, n, None)?;
         let truth = TemporalTruth::new(setup, &data, steps)?;
@@ -145,18 +144,13 @@ impl<'a> ContactInTime<'a> {
     ///
     /// # Errors
     /// The run or the truth fails.
-    pub fn measure_model(&self, model: &Model, steps: u32) -> Result<Estimate, GronwallError> {
+    pub fn measure_model(&self, model: &Model, steps: u32) -> Result<Estimate> {
         let grid = self.grid(steps);
         let run = self.run(model, &grid, &self.loads(&grid)?)?;
         self.compared(grid, run)
     }
 
-    fn run(
-        &self,
-        model: &Model,
-        grid: &TimeGrid,
-        loads: &[Vec<f64>],
-    ) -> Result<(Levels, f64), GronwallError> {
+    fn run(&self, model: &Model, grid: &TimeGrid, loads: &[Vec<f64>]) -> Result<(Levels, f64)> {
         let (mut found, mut load) = (Vec::new(), GivenLoads(grid, loads));
         let newton = Newton::default();
         let info = march(&self.data.space, model, grid, &mut load, &newton, &mut |view| {
@@ -191,20 +185,16 @@ impl InTime for ContactInTime<'_> {
         self.setup.grid(steps)
     }
 
-    fn loads(&self, grid: &TimeGrid) -> Result<Levels, GronwallError> {
+    fn loads(&self, grid: &TimeGrid) -> Result<Levels> {
         grid.times().iter().map(|t| Ok(self.data.truth.load(*t)?.to_vec())).collect()
     }
 
-    fn dual_norms(&self, loads: &[Vec<f64>]) -> Result<Vec<f64>, GronwallError> {
+    fn dual_norms(&self, loads: &[Vec<f64>]) -> Result<Vec<f64>> {
         let mut norm = DualNorm::new(&self.data.space)?;
         Ok(loads.iter().map(|load| norm.of(load)).collect())
     }
 
-    fn solutions(
-        &self,
-        grid: &TimeGrid,
-        loads: &[Vec<f64>],
-    ) -> Result<(Levels, f64), GronwallError> {
+    fn solutions(&self, grid: &TimeGrid, loads: &[Vec<f64>]) -> Result<(Levels, f64)> {
         self.run(&self.setup.model, grid, loads)
     }
 
@@ -217,7 +207,7 @@ impl InTime for ContactInTime<'_> {
         (c.m0, c.beta, c.weights, c.parts(self.setup, grid))
     }
 
-    fn known(&self, grid: &TimeGrid) -> Result<Known, GronwallError> {
+    fn known(&self, grid: &TimeGrid) -> Result<Known> {
         let Self { setup, data: MeshData { space, .. }, truth, constants } = self;
         let (terms, rule) = (&setup.model.memory, constants.weights.rule());
         let empty = |term: &MemoryTerm| Memory::new(&*term.kernel, &*rule, grid, space.nodes.len());
@@ -299,7 +289,7 @@ impl TemporalTruth {
     ///
     /// # Errors
     /// A load or a run fails, or `steps` is empty.
-    pub fn new(setup: &Setup, data: &MeshData, steps: &[u32]) -> Result<Self, GronwallError> {
+    pub fn new(setup: &Setup, data: &MeshData, steps: &[u32]) -> Result<Self> {
         // With friction the exact state is no nodal vector alone: s of a vertex that sticks stands beside it.
         if let Some(exact) = setup.exact.as_ref().filter(|_| setup.model.friction.is_none()) {
             let rule = setup.compliance_rule();
@@ -310,7 +300,7 @@ impl TemporalTruth {
         }
         // The levels of the coarsest grid that contains all others.
         let common = steps.iter().copied().fold(1, lowest_common_multiple);
-        let every = |stride: u32| -> Result<Vec<TruthAtLevel>, GronwallError> {
+        let every = |stride: u32| -> Result<Vec<TruthAtLevel>> {
             let (steps, mut levels) = (stride * common, Vec::new());
             data.march(setup, steps, &Newton::default(), &mut |view| {
                 if view.n % stride as usize == 0 {
@@ -334,7 +324,7 @@ impl TemporalTruth {
     ///
     /// # Errors
     /// A formula that is not finite, a grid that is not part of the reference's.
-    pub fn levels(&self, setup: &Setup, steps: u32) -> Result<Vec<TruthAtLevel>, GronwallError> {
+    pub fn levels(&self, setup: &Setup, steps: u32) -> Result<Vec<TruthAtLevel>> {
         let grid = setup.grid(steps);
         let of = match self {
             Self::Exact(exact) => {
@@ -368,11 +358,7 @@ fn exact_level(
 
 /// Whether the nodal interpolant of the exact solution, with its exact history, solves the spatially
 /// discrete problem: KKT residual at four times.
-fn in_space(
-    setup: &Setup,
-    data: &MeshData,
-    exact: &InterpolatedOnMesh,
-) -> Result<bool, GronwallError> {
+fn in_space(setup: &Setup, data: &MeshData, exact: &InterpolatedOnMesh) -> Result<bool> {
     let (model, trace, horizon) = (&setup.model, &data.space.trace, setup.scene.time.horizon);
     for share in [0.0, 1.0 / 3.0, 0.5, 1.0] {
         let TruthAtLevel { t, u, memory, zeta } = exact_level(setup, exact, share * horizon)?;
@@ -431,7 +417,7 @@ impl<'a> FiniteInTime<'a> {
     ///
     /// # Errors
     /// A rule with weights for each kernel, no history, m0 ≤ 0.
-    pub(super) fn new(setup: &'a AbstractSetup) -> Result<Self, GronwallError> {
+    pub(super) fn new(setup: &'a AbstractSetup) -> Result<Self> {
         let (found, scene) = (&setup.constants, &setup.scene);
         let own = || refused(scene, OWN_WEIGHTS);
         let weights = Weights::of(scene.time.rule, found.power).ok_or_else(own)?;
@@ -460,7 +446,7 @@ impl<'a> FiniteInTime<'a> {
         model: &FiniteModel,
         grid: &TimeGrid,
         loads: &[Vec<f64>],
-    ) -> Result<(Levels, f64), GronwallError> {
+    ) -> Result<(Levels, f64)> {
         let (mut found, mut load) = (Vec::new(), GivenLoads(grid, loads));
         let info = finite::march(model, grid, &mut load, &Newton::default(), &mut |view| {
             found.push(view.u.as_slice().to_vec());
@@ -492,20 +478,16 @@ impl InTime for FiniteInTime<'_> {
         self.setup.grid(steps)
     }
 
-    fn loads(&self, grid: &TimeGrid) -> Result<Levels, GronwallError> {
+    fn loads(&self, grid: &TimeGrid) -> Result<Levels> {
         Ok(grid.times().iter().map(|t| self.setup.state(*t).load.clone()).collect())
     }
 
-    fn dual_norms(&self, loads: &[Vec<f64>]) -> Result<Vec<f64>, GronwallError> {
+    fn dual_norms(&self, loads: &[Vec<f64>]) -> Result<Vec<f64>> {
         let norm = |load: &Vec<f64>| (&self.inverse_root * DVector::from_column_slice(load)).norm();
         Ok(loads.iter().map(norm).collect())
     }
 
-    fn solutions(
-        &self,
-        grid: &TimeGrid,
-        loads: &[Vec<f64>],
-    ) -> Result<(Levels, f64), GronwallError> {
+    fn solutions(&self, grid: &TimeGrid, loads: &[Vec<f64>]) -> Result<(Levels, f64)> {
         self.run(&self.setup.model, grid, loads)
     }
 
@@ -539,7 +521,7 @@ impl InTime for FiniteInTime<'_> {
     }
 
     /// g_n = ‖S_n u - S_n^k u‖_{X*}, S_n^k u = R(Σ_l Q_l Σ_j w_nj q_l(t_n, t_j) u_j + a_S).
-    fn known(&self, grid: &TimeGrid) -> Result<Known, GronwallError> {
+    fn known(&self, grid: &TimeGrid) -> Result<Known> {
         let (model, rule) = (&self.setup.model, self.weights.rule());
         let states: Vec<_> = grid.times().iter().map(|t| self.setup.state(*t)).collect();
         let column = |values: &[f64]| DVector::from_column_slice(values);

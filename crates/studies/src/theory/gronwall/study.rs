@@ -9,9 +9,8 @@
 //! by the argument of (3.19)-(3.21) with both inequalities discrete: the same constants, no
 //! truncation, and e_0 > 0 allowed. ‖·‖_* is dual to ‖·‖_X; for a body ‖v‖_V = ‖ε(v)‖_ℋ.
 
-use super::recurrence::{Envelopes, Estimate, GronwallError, InTime};
-use super::scenes::FiniteInTime;
-use super::scenes::{ContactInTime, REFERENCE_STEPS};
+use super::recurrence::{Envelopes, Estimate, GronwallError, InTime, Result};
+use super::scenes::{ContactInTime, FiniteInTime, REFERENCE_STEPS};
 use crate::study::{Asked, Sizes, Study, StudyError};
 use algebra::linalg::{largest, signed_unit};
 use fem::contact::Discretization;
@@ -84,7 +83,7 @@ pub(super) struct Bounded {
 }
 
 impl Bounded {
-    pub(super) fn new(part: String, estimate: Estimate) -> Result<Self, GronwallError> {
+    pub(super) fn new(part: String, estimate: Estimate) -> Result<Self> {
         let steps = estimate.grid.steps() as u32;
         let envelopes =
             estimate.envelopes().map_err(|source| GronwallError::Step { steps, source })?;
@@ -129,7 +128,7 @@ impl Bounded {
 ///
 /// # Errors
 /// [`GronwallError`].
-pub fn study(subject: &Subject, plan: &StudyRuns) -> Result<Findings, GronwallError> {
+pub fn study(subject: &Subject, plan: &StudyRuns) -> Result<Findings> {
     let (scene, n) = (subject.scene(), plan.n);
     let in_time = prepare(subject, n, &plan.steps)?;
     let measured = |&steps: &u32| Bounded::new("time".into(), in_time.measure(steps)?);
@@ -200,7 +199,7 @@ const SIZES: [f64; 3] = [1e-1, 1e-2, 1e-3];
 ///
 /// # Errors
 /// A load or a run fails.
-pub(super) fn perturbations(scene: &dyn InTime, steps: u32) -> Result<Vec<Bounded>, GronwallError> {
+pub(super) fn perturbations(scene: &dyn InTime, steps: u32) -> Result<Vec<Bounded>> {
     let grid = scene.grid(steps);
     let loads = scene.loads(&grid)?;
     let size = largest(&scene.dual_norms(&loads)?);
@@ -268,7 +267,7 @@ pub fn prepare<'a>(
     subject: &'a Subject,
     n: Option<u32>,
     steps: &[u32],
-) -> Result<Box<dyn InTime + 'a>, GronwallError> {
+) -> Result<Box<dyn InTime + 'a>> {
     let reason = match (subject, n) {
         (Subject::Contact(setup), Some(n)) => {
             return Ok(Box::new(ContactInTime::new(setup, n, steps)?));

@@ -10,8 +10,7 @@
 
 mod answer;
 
-pub use answer::{Advice, Advised, Goal, advise};
-pub use answer::{Estimated, estimate};
+pub use answer::{Advice, Advised, Estimated, Goal, advise, estimate};
 
 use std::collections::BTreeMap;
 
