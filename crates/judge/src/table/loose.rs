@@ -340,7 +340,7 @@ pub(super) fn across(text: &str) -> Vec<Block> {
                 let cells = cells(line);
                 let values: Option<Vec<String>> =
                     places.iter().map(|&at| cells.get(at).cloned()).collect();
-                (cells[..places[0]].join(" "), values?)
+                (cells.get(..places[0])?.join(" "), values?)
             } else {
                 let words: Vec<String> =
                     line.replace(BARS, " ").split_whitespace().map(str::to_owned).collect();

@@ -111,7 +111,9 @@ fn blocks(text: &str, separator: Separator) -> Vec<Block> {
         // `exact` and `Richardson` before or behind the levels.
         let worded = |&at: &usize| {
             let first = lines[at].cells.first();
-            first.is_some_and(|cell| cell.chars().take(3).filter(|c| c.is_alphabetic()).count() > 2)
+            first.is_some_and(|cell| {
+                is_word(cell) && cell.chars().take(3).filter(|c| c.is_alphabetic()).count() > 2
+            })
         };
         let sizes = |&at: &usize| {
             let first = lines[at].cells.first();
