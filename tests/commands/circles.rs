@@ -40,12 +40,6 @@ const KNOWN: &[(&str, &str, usize, &str)] = &[
         "a level is screened, and a point may be left out because it is no level",
     ),
     (
-        "judge",
-        "table/loose",
-        2,
-        "loose forms are found in lines, and lines are searched for loose forms where no block of rows agrees",
-    ),
-    (
         "report",
         "document",
         11,

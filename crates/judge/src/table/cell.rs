@@ -22,8 +22,8 @@ pub(super) struct Number {
 }
 
 pub(super) fn is_missing(cell: &str) -> bool {
-    let missing = ["", "-", "--", "---", "–", "—", "*", "n/a", "na", "none", "missing", "..."];
-    missing.iter().any(|word| cell.eq_ignore_ascii_case(word))
+    const MISSING: &str = "- -- --- – — * n/a na <na> n.a. none null nothing missing ...";
+    cell.is_empty() || MISSING.split(' ').any(|word| cell.eq_ignore_ascii_case(word))
 }
 
 pub(super) fn number(cell: &str) -> Option<Number> {
@@ -33,15 +33,15 @@ pub(super) fn number(cell: &str) -> Option<Number> {
     }
     // Words are many: nothing but `nan` and `inf` begins with a letter.
     let first = cell.trim_start_matches([' ', '$', '`', '*', '{']).chars().next()?;
-    if first.is_alphabetic() && !"nNiIπ".contains(first) {
+    if first.is_alphabetic() && !"nNiIπTL".contains(first) {
         return None;
     }
     let mut text = cell.trim().trim_matches(['$', '`']).replace("\\%", "%");
     text = text
-        .trim_start_matches("**")
-        .trim_end_matches("**")
         .replace(['\u{2212}', '–'], "-")
-        .replace("\\pi", "π");
+        .replace("\\pi", "π")
+        .replace("\\(", "")
+        .replace("\\)", "");
     for command in ["\\num", "\\textbf", "\\mathbf", "\\text", "\\,", "~"] {
         text = text.replace(command, "");
     }
@@ -49,7 +49,18 @@ pub(super) fn number(cell: &str) -> Option<Number> {
     for times in ["×10^", "x10^", "*10^"] {
         text = text.replace(times, "e");
     }
-    let text = text.trim();
+    let bare = text.trim();
+    let text = bare;
+    // `1.28e-2 (2.00)`: a rate stands behind, or a deviation.
+    for behind in [" (", "(-)", "±", "+/-"] {
+        if let Some((value, _)) = text.split_once(behind).filter(|(v, _)| !v.trim().is_empty()) {
+            return number(value);
+        }
+    }
+    // Of a whole called T or L the size of a part is asked for.
+    let text = text.strip_prefix(['T', 'L']).filter(|part| part.starts_with('/'));
+    let text = text.map_or(bare.to_owned(), |part| format!("1{part}"));
+    let text = text.as_str();
     if !text.starts_with(|c: char| c.is_ascii_digit() || "+-.π".contains(c)) {
         return text.parse().ok().and_then(|value| plain(value, Comma::None));
     }
@@ -64,6 +75,12 @@ pub(super) fn number(cell: &str) -> Option<Number> {
     let fortran = text.replace(['d', 'D'], "e");
     if let Some(value) = float(text).or_else(|| float(&fortran)).or_else(|| wide_exponent(text)) {
         return plain(value, Comma::None);
+    }
+    // Older papers set 1.2E-3 as `1.2(-3)`.
+    if let Some((digits, exponent)) = text.strip_suffix(')').and_then(|t| t.split_once('('))
+        && exponent.starts_with(['+', '-'])
+    {
+        return float(&format!("{digits}e{exponent}")).and_then(|value| plain(value, Comma::None));
     }
     if let Some((a, b)) = text.split_once('/') {
         return float(a).zip(float(b)).and_then(|(a, b)| plain(a / b, Comma::None));
@@ -174,7 +191,7 @@ const LONGEST_NAME: usize = 200;
 // Names of columns in normal form, as `normal` gives it.
 const LENGTHS: &str = "h hmax dx deltax meshsize maxh hx cellsize gridspacing spacing meshwidth elementsize panelsize";
 const TIMES: &str = "k dt deltat tau timestep timestepsize stepsize htime";
-const SIDES: &str = "n nx cellsperside elementsperside resolution grid mesh numpts npts ngridpoints gridpoints 1h oneoverh 1dx hinv ny res";
+const SIDES: &str = "n nx mx nx1 grille gitter maillage cellsperside elementsperside resolution grid mesh numpts npts ngridpoints gridpoints 1h oneoverh 1dx hinv ny res";
 const STEPS: &str = "steps nsteps nt timesteps numberofsteps 1dt 1k";
 const CELLS: &str = "cells ncells numcells numberofcells activecells nactivecells numberofactivecells cellnumbers \
     elements nelements numelements numberofelements nel ne nelem triangles elems";
@@ -188,7 +205,7 @@ const COUNTERS: &str = "cycle cycles ref iter iters iterations its it time times
 const RUNS: &str = "seed run runs trial sample repetition rep";
 const PARAMETERS: &str = "degree deg p polynomialdegree polydeg scheme method element fe cfl solver case problem test type integrator";
 const NORM_NAMES: &str = "e eu ep eh u v uh velocity pressure displacement stress gradient grad flux dg temperature \
-    div curl semi rms inf max sup maximum";
+    div curl semi rms inf max sup maximum emax";
 const SPACES: &str = "l1 l2 l4 l8 linf h0 h1 h2 w1";
 
 /// A name in lower case without signs and LaTeX commands.
@@ -251,6 +268,7 @@ pub(super) fn role(name: &str) -> Role {
     }
     // `h||` is what is left of a norm.
     let bars = name.contains("||") || name.contains('‖');
+    let bars = bars || name.matches('|').count() > 1 && name.contains('-');
     if let Some(&role) = KNOWN.get(&*normalised).filter(|_| !bars) {
         return role;
     }
@@ -261,15 +279,12 @@ pub(super) fn role(name: &str) -> Role {
     let measures = || measures.iter().any(|part| normalised.replace("normal", "").contains(part));
     match &*normalised {
         _ if has(RATES) || IGNORED.contains(&*normalised) => Role::Ignored,
-        "" if name.contains(['‖', '误', '誤'])
-            || name.matches('|').count() > 1
-            || lower.contains("ошиб") =>
-        {
-            Role::Wide
-        }
+        "" if bars || name.contains(['误', '誤']) || lower.contains("ошиб") => Role::Wide,
         "" => Role::Ignored,
         // A logarithm of an error is none, nor is what theory expects.
-        _ if normalised.starts_with("log") || has("iter residual expect predict theor") => {
+        _ if normalised.starts_with("log")
+            || has("iter residual expect predict theor std deviation") =>
+        {
             Role::Unknown
         }
         _ if measures() || NORMS.contains(&*normalised) || bars => Role::Wide,

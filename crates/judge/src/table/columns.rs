@@ -3,9 +3,10 @@
 use std::collections::{HashMap, HashSet};
 
 use super::cell::{
-    Comma, Measure, Number, Role, is_missing, is_rate, likeness, named, normal, number, role, sides,
+    Comma, Measure, Number, Role, is_missing, is_norm, is_rate, likeness, named, normal, number,
+    role, sides,
 };
-use super::text::{Block, Cells};
+use super::line::{Block, Cells};
 use super::{Quantity, TableError};
 use crate::fit::is_step;
 use files::counted;
@@ -204,11 +205,24 @@ impl<'a> Reader<'a> {
                 roles[at - 1] = Role::Wide;
             }
         }
+        // Below a title that speaks of errors they are what has no other name.
+        let sized = roles.iter().any(|role| matches!(role, Role::Space(_) | Role::Time(_)));
+        let measures = [Role::Error, Role::Value, Role::Wide];
+        let mut notes = Vec::new();
+        if sized && is_norm(&block.title) && !roles.iter().any(|role| measures.contains(role)) {
+            for role in roles.iter_mut().filter(|role| **role == Role::Unknown) {
+                *role = Role::Wide;
+                notes = vec![format!("errors because `{}` stands above", block.title)];
+            }
+        }
         // A column of words alone tells tables apart, whatever it is called.
         for (at, role) in roles.iter_mut().enumerate() {
             let words =
                 |row: &Cells| is_missing(&row.cells[at]) || number(&row.cells[at]).is_none();
-            let number_wanted = matches!(role, Role::Wide | Role::Unknown | Role::Ignored);
+            let number_wanted = matches!(
+                role,
+                Role::Wide | Role::Unknown | Role::Ignored | Role::Space(_) | Role::Time(_)
+            );
             if number_wanted && block.rows.iter().all(words) {
                 let any = block.rows.iter().any(|row| !is_missing(&row.cells[at]));
                 *role = if any { Role::Parameter } else { Role::Ignored };
@@ -232,7 +246,7 @@ impl<'a> Reader<'a> {
         let cells = block.rows.iter().flat_map(|row| &row.cells);
         let mut commas = cells.filter(|cell| cell.contains(','));
         let decimal = commas.any(|cell| number(cell).is_some_and(|n| n.comma == Comma::Decimal));
-        Ok(Self { block, reading, roles, decimal, left_out: Vec::new(), notes: Vec::new() })
+        Ok(Self { block, reading, roles, decimal, left_out: Vec::new(), notes })
     }
 
     fn name(&self, at: usize) -> &str {
@@ -723,6 +737,9 @@ impl<'a> Reader<'a> {
         }
         if columns.runs {
             parts.push("rows of one level are runs".into());
+        }
+        if !self.block.filled.is_empty() {
+            parts.push(format!("empty cells of {} as those above", listed(&self.block.filled)));
         }
         parts.extend(self.notes.iter().cloned());
         let unread = |at: &usize| !columns.by.contains(at) && !self.name(*at).is_empty();

@@ -1,7 +1,7 @@
 //! Tables that stand in no rows: records of a log, lists, sizes across, and a table on its side.
 
-use super::cell::{is_missing, is_norm, is_rate, is_size, number};
-use super::text::{BARS, Block, Cells, Kind, Line, Separator, classify, is_rule, is_word};
+use super::cell::{Role, is_missing, is_norm, is_rate, is_size, number, role};
+use super::line::{BARS, Block, Cells, Kind, Line, Separator, classify, is_rule, is_word};
 
 const MOST_PAIRS: usize = 10_000;
 
@@ -13,39 +13,48 @@ const JOINED: [&str; 2] = ["\u{e000}", "\u{e001}"];
 
 /// `name = value` and `name: value` of a line, in order, and `l-2 0.25` for a norm; what stands between is passed over.
 fn pairs(line: &str) -> Vec<(String, String)> {
-    // `[solver 0] N = 8`: what stands in brackets before a line of a log is no name.
-    let mut line = line.trim_start();
-    while let Some((_, behind)) = line.strip_prefix('[').and_then(|tag| tag.split_once(']')) {
-        line = behind.trim_start();
-    }
     // `L2(0,T;L2)` is one name, `(h=1, e=2)` are two.
     let mut parts: Vec<String> = line.split_inclusive(')').map(str::to_owned).collect();
     for part in parts.iter_mut().filter(|part| part.ends_with(')')) {
-        let open = part.rfind('(').filter(|&at| !part[at..].contains(['=', ':']));
-        if let Some(inside) = open.map(|at| part.split_off(at)) {
-            *part += &inside.replace(',', JOINED[0]).replace(';', JOINED[1]);
-        }
+        let Some(inside) = part.rfind('(').map(|at| part.split_off(at)) else { continue };
+        *part += &match inside.contains(['=', ':']) {
+            true => inside.replace(['(', ')'], " "),
+            false => inside.replace(',', JOINED[0]).replace(';', JOINED[1]),
+        };
+    }
+    // A list of records.
+    for (outer, inner) in [("[ ", " "), ("[{", "{"), ("}]", "}"), (" ]", " ")] {
+        parts.iter_mut().for_each(|part| *part = part.replace(outer, inner));
     }
     let bare: String = parts.concat().chars().filter(|c| !"{}\"'".contains(*c)).collect();
-    let spaced = bare.replace(":=", "=").replace(['=', ':'], " = ").replace([',', ';'], " , ");
+    let spaced = bare
+        .replace(":=", "=")
+        .replace(['=', ':'], " = ")
+        .replace([',', ';'], " , ")
+        .replace(" %", "%");
     let (mut found, mut name) = (Vec::new(), Vec::new());
     let mut words = spaced.split_whitespace().peekable();
     let value = |word: &str| number(word).is_some() || is_missing(word);
+    // `L2 error with N = 16: 0.05` is a size, and an error before and behind it.
+    let mut error_of: Option<String> = None;
     while let Some(word) = words.next() {
         let named = name.join(" ").replace(JOINED[0], ",").replace(JOINED[1], ";");
         match word {
             "," => name.clear(),
             "=" => {
+                let named = error_of.take().filter(|_| name.is_empty()).unwrap_or(named);
                 let worded = named.chars().any(char::is_alphabetic);
                 if let Some(value) = words.next_if(|word| worded && value(word)) {
-                    found.push((named, value.to_owned()));
+                    let (named, error) = split(named, words.peek() == Some(&"="));
+                    (error_of, _) = (error, found.push((named, value.to_owned())));
                 }
                 name.clear();
             }
-            // What stands in brackets after a value is no name.
-            _ if word.starts_with('(') && name.is_empty() => {}
-            _ if number(word).is_some() && is_norm(&named) => {
-                found.push((named, word.to_owned()));
+            // What stands in brackets after a value is no name, nor is a mark of a list.
+            _ if name.is_empty() && (word.starts_with('(') || is_mark(word)) => {}
+            _ if number(word).is_some() && (is_norm(&named) || is_size(&named)) => {
+                let (named, error) = split(named, words.peek() == Some(&"="));
+                (error_of, _) = (error, found.push((named, word.to_owned())));
                 name.clear();
             }
             _ => {
@@ -56,6 +65,23 @@ fn pairs(line: &str) -> Vec<(String, String)> {
         }
     }
     found
+}
+
+fn is_mark(word: &str) -> bool {
+    !word.contains('|') && !word.chars().any(|c| c.is_alphanumeric() || c == '‖')
+}
+
+/// `L2 error with N` before `= 16: 0.05` as the size and the error.
+fn split(named: String, goes_on: bool) -> (String, Option<String>) {
+    match named.rsplit_once(' ').filter(|(error, size)| goes_on && is_norm(error) && is_size(size))
+    {
+        Some((error, size)) => {
+            let error =
+                ["at", "with", "for"].iter().fold(error, |e, word| e.trim_end_matches(word));
+            (size.to_owned(), Some(error.trim().to_owned()))
+        }
+        None => (named, None),
+    }
 }
 
 /// Where a record of a log begins.
@@ -72,10 +98,13 @@ pub(super) enum Records {
 /// Records of `name = value`, below each heading of Markdown on their own if there are several.
 pub(super) fn records(text: &str, begins: Records) -> Vec<Block> {
     let lines: Vec<(u64, &str)> = (1..).zip(text.lines()).collect();
-    let below = || lines.chunk_by(|_, (_, next)| !next.starts_with('#'));
-    let several = lines.iter().skip(1).any(|(_, line)| line.starts_with('#'));
+    let heading = |line: &str| {
+        line.starts_with('#') || line.trim_end().ends_with(':') && pairs(line).is_empty()
+    };
+    let below = || lines.chunk_by(|_, (_, next)| !heading(next));
+    let several = lines.iter().skip(1).any(|(_, line)| heading(line));
     let headed = below().filter(|_| several).filter_map(|lines| {
-        let title = lines[0].1.trim_start_matches('#').trim().to_owned();
+        let title = lines[0].1.trim().trim_matches(['#', ':']).trim().to_owned();
         records_of(lines, begins).map(|block| Block { title, ..block })
     });
     let headed: Vec<Block> = headed.collect();
@@ -98,11 +127,17 @@ fn records_of(lines: &[(u64, &str)], begins: Records) -> Option<Block> {
         return None;
     }
     let sized = |pairs: &[(String, String)]| pairs.iter().any(|(name, _)| is_size(name));
-    let any = lines.iter().any(|(_, pairs)| sized(pairs));
+    // `(h = 1/32, 1/64)` in one line is a remark.
+    let any = lines.iter().filter(|(_, pairs)| sized(pairs)).count() > 1;
     let mut records: Vec<(u64, Vec<(String, String)>)> = Vec::new();
-    for (line, pairs) in lines {
+    let mut heading = None;
+    for (line, mut pairs) in lines {
         if begins == Records::Lines {
-            if pairs.len() > 1 && sized(&pairs) == any {
+            // `p = 2` alone stands above the records that it holds for.
+            if pairs.len() == 1 && role(&pairs[0].0) == Role::Parameter {
+                heading = pairs.pop();
+            } else if pairs.len() > 1 && sized(&pairs) == any {
+                pairs.extend(heading.clone());
                 records.push((line, pairs));
             }
             continue;
@@ -148,6 +183,12 @@ fn records_of(lines: &[(u64, &str)], begins: Records) -> Option<Block> {
     Some(Block { repeated, ..Block::of_rows(line, names, rows) })
 }
 
+/// A list of sizes may be called `hs`.
+fn singular(name: &str) -> String {
+    let single = name.strip_suffix('s').filter(|single| !is_size(name) && is_size(single));
+    single.unwrap_or(name).to_owned()
+}
+
 /// `h = [0.5, 0.25]` and the like, as Python, Julia and MATLAB write lists: columns of equal length.
 pub(super) fn arrays(text: &str) -> Vec<Block> {
     let mut columns: Vec<(String, Vec<String>)> = Vec::new();
@@ -166,7 +207,7 @@ pub(super) fn arrays(text: &str) -> Vec<Block> {
             continue;
         }
         ends = Some([ends.map_or(open, |ends| ends[0]), close]);
-        columns.push((name.rsplit(' ').next().unwrap_or(name).to_owned(), cells));
+        columns.push((singular(name.rsplit([' ', '(', '{']).next().unwrap_or(name)), cells));
     }
     let alike = |pair: &[(String, Vec<String>)]| pair[0].1.len() == pair[1].1.len();
     let Some(ends) = ends.filter(|_| columns.windows(2).all(alike)) else { return Vec::new() };
@@ -188,7 +229,7 @@ pub(super) fn assigned(text: &str) -> Vec<Block> {
         match (&words[..], numbers) {
             ([], _) | (["Columns" | "Column", ..], _) => {}
             ([name, "="], _) => {
-                columns.push(((*name).to_owned(), Vec::new()));
+                columns.push((singular(name), Vec::new()));
                 (line, scale) = (line.or(Some(at)), 1.0);
             }
             ([factor, "*"], _) => scale = number(factor).map_or(1.0, |number| number.value),
@@ -280,20 +321,37 @@ pub(super) fn lying(text: &str) -> Vec<Block> {
 pub(super) fn across(text: &str) -> Vec<Block> {
     let lines: Vec<&str> = text.lines().collect();
     for (at, line) in lines.iter().enumerate().filter(|(_, line)| line.contains('=')) {
-        let sizes = pairs(line);
-        let name = |pair: &(String, String)| {
-            pair.0.trim_matches(|c: char| !c.is_alphanumeric()).to_owned()
+        let sizes = pairs(&line.replace(BARS, " , ").replace('&', " , "));
+        let Some(size) = sizes.first().map(|pair| pair.0.clone()).filter(|size| is_size(size))
+        else {
+            continue;
         };
-        let Some(size) = sizes.first().map(name).filter(|size| is_size(size)) else { continue };
-        if sizes.len() < 2 || sizes.iter().any(|pair| name(pair) != size) {
+        if sizes.len() < 2 || sizes.iter().any(|pair| pair.0 != size) {
             continue;
         }
+        let cells = |line: &str| -> Vec<String> {
+            let cells = line.trim().trim_matches(BARS).split(BARS);
+            cells.map(|cell| cell.replace("**", "").trim().to_owned()).collect()
+        };
+        let places: Vec<usize> =
+            (0..).zip(cells(line)).filter(|(_, c)| c.contains('=')).map(|c| c.0).collect();
         let row = |line: &&str| -> Option<(String, Vec<String>)> {
-            let words: Vec<String> =
-                line.replace(BARS, " ").split_whitespace().map(str::to_owned).collect();
-            let (label, values) = words.split_at_checked(words.len().checked_sub(sizes.len())?)?;
+            let (label, values) = if places.len() == sizes.len() {
+                let cells = cells(line);
+                let values: Option<Vec<String>> =
+                    places.iter().map(|&at| cells.get(at).cloned()).collect();
+                (cells.get(..places[0])?.join(" "), values?)
+            } else {
+                let words: Vec<String> =
+                    line.replace(BARS, " ").split_whitespace().map(str::to_owned).collect();
+                let (label, values) =
+                    words.split_at_checked(words.len().checked_sub(sizes.len())?)?;
+                (label.join(" "), values.to_vec())
+            };
+            let label = label.trim().to_owned();
             let sound = !label.is_empty() && values.iter().all(|value| number(value).is_some());
-            sound.then(|| (format!("error of {}", label.join(" ")), values.to_vec()))
+            let label = if is_norm(&label) { label } else { format!("error of {label}") };
+            sound.then_some((label, values))
         };
         let below = lines[at + 1..].iter().filter(|line| !is_rule(line));
         let columns: Vec<_> = below.map_while(row).collect();

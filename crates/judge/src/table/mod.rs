@@ -1,11 +1,13 @@
-//! Tables as people have them: lines are classified, rows that agree make a block with the names above it (`text`), what stands in
-//! no rows is gathered (`loose`), sizes and errors are found among the columns by their names and numbers (`columns`, `cell`), and
-//! rows become groups (`read`, `group`). What is guessed is said.
+//! Tables as people have them: lines are made plain and cut into cells (`line`), rows that agree make a block (`text`) with the names
+//! above it (`names`), what stands in no rows is gathered (`loose`), sizes and errors are found among the columns by their names and
+//! numbers (`columns`, `cell`), and rows become groups (`read`, `group`). What is guessed is said.
 
 mod cell;
 mod columns;
 mod group;
+mod line;
 mod loose;
+mod names;
 mod read;
 mod text;
 

@@ -3,7 +3,8 @@
 use std::collections::HashMap;
 
 use super::columns::Columns;
-use super::text::{Block, Cells, is_table, known, readings};
+use super::line::{Block, Cells};
+use super::text::{is_table, known, readings};
 use super::{Group, Quantity, Reading, Row, TableError};
 use crate::fit::{Direction, Point, deviation, is_step, screen};
 

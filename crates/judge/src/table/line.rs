@@ -1,0 +1,403 @@
+//! Lines of a text, made plain and cut into cells; rows that agree make a block.
+
+use super::cell::{is_missing, is_size, number};
+
+/// A row, cut into cells.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Cells {
+    pub(super) line: u64,
+    pub(super) cells: Vec<String>,
+}
+
+/// Rows that agree, with the names of their columns.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Block {
+    /// The line above the names, which tells tables of one text apart.
+    pub(super) title: String,
+    /// The line of the names, and the last line.
+    pub(super) line: u64,
+    pub(super) end: u64,
+    pub(super) names: Vec<String>,
+    pub(super) rows: Vec<Cells>,
+    /// Lines between the rows that are none: means, column types.
+    pub(super) left_out: Vec<u64>,
+    /// Several values of a name in one record: none of them is read.
+    pub(super) repeated: Vec<String>,
+    /// Columns whose empty cells are as those above.
+    pub(super) filled: Vec<String>,
+}
+
+impl Block {
+    /// Rows below no title, with nothing between them.
+    pub(super) fn of_rows(line: u64, names: Vec<String>, rows: Vec<Cells>) -> Self {
+        let (left_out, repeated, filled) = (Vec::new(), Vec::new(), Vec::new());
+        let end = rows.last().map_or(line, |row| row.line);
+        Self { title: String::new(), line, end, names, rows, left_out, repeated, filled }
+    }
+
+    /// Cells `h = 0.1` of a column are numbers of h; an empty one below the first of several rows is as above.
+    pub(super) fn tidied(mut self) -> Self {
+        if self.names.is_empty() || self.rows.is_empty() {
+            return self;
+        }
+        for at in 0..self.names.len() {
+            let cells = |row: &Cells| row.cells.get(at).cloned().unwrap_or_default();
+            let pair = |row: &Cells| {
+                let cell = cells(row).replace(['$', '`'], "");
+                let (name, value) = cell.split_once('=')?;
+                number(value.trim()).map(|_| (name.trim().to_owned(), value.trim().to_owned()))
+            };
+            let pairs: Option<Vec<_>> = self.rows.iter().map(pair).collect();
+            if let Some(pairs) = pairs.filter(|p| p.windows(2).all(|two| two[0].0 == two[1].0)) {
+                self.names[at].clone_from(&pairs[0].0);
+                for (row, (_, value)) in self.rows.iter_mut().zip(pairs) {
+                    row.cells[at] = value;
+                }
+            }
+        }
+        let sized = self.names.iter().position(|name| is_size(name)).unwrap_or(0);
+        let open = |row: &Cells, at| row.cells.get(at).is_some_and(String::is_empty);
+        for at in 0..=sized {
+            let many = self.rows.iter().filter(|row| open(row, at)).count();
+            if open(&self.rows[0], at) || 2 * many < self.rows.len() {
+                continue;
+            }
+            self.filled.push(self.names[at].clone());
+            for row in 1..self.rows.len() {
+                let above = self.rows[row - 1].cells.get(at).cloned();
+                if let Some(above) = above.filter(|_| open(&self.rows[row], at)) {
+                    self.rows[row].cells[at] = above;
+                }
+            }
+        }
+        self
+    }
+
+    /// Columns of equal length with their names.
+    pub(super) fn of_columns(line: u64, end: u64, columns: Vec<(String, Vec<String>)>) -> Self {
+        let count = columns.first().map_or(0, |(_, cells)| cells.len());
+        let cells = |at: usize| columns.iter().map(|(_, cells)| cells[at].clone()).collect();
+        let rows = (0..count).map(|at| Cells { line, cells: cells(at) }).collect();
+        let names = columns.iter().map(|(name, _)| name.clone()).collect();
+        Self { end, ..Self::of_rows(line, names, rows) }
+    }
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Separator {
+    Latex,
+    Pipe,
+    Character(char),
+    Blanks,
+}
+
+impl Separator {
+    pub(super) const ALL: [Self; 6] = [
+        Self::Latex,
+        Self::Pipe,
+        Self::Character('\t'),
+        Self::Character(';'),
+        Self::Character(','),
+        Self::Blanks,
+    ];
+
+    pub(super) fn is_in(self, text: &str) -> bool {
+        match self {
+            Self::Latex => text.contains(" & ") || text.contains('&') && text.contains('\\'),
+            Self::Pipe => text.contains(BARS),
+            Self::Character(c) => text.contains(c),
+            Self::Blanks => true,
+        }
+    }
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Kind {
+    /// Blank, or a drawn rule.
+    Gap,
+    Comment,
+    Text,
+    Row,
+}
+
+/// A bar within a cell of Markdown.
+const ESCAPED: &str = "\u{e002}";
+
+/// No cell spans more columns.
+const MOST_SPANNED: usize = 100;
+
+/// A longer line is no row that somebody set.
+const LONGEST: usize = 10_000;
+
+pub(super) const BARS: [char; 3] = ['|', '\u{2502}', '\u{2503}'];
+
+pub(super) struct Line<'a> {
+    pub(super) number: u64,
+    pub(super) text: &'a str,
+    pub(super) cells: Vec<String>,
+    pub(super) kind: Kind,
+}
+
+impl Line<'_> {
+    pub(super) fn bare(&self) -> &str {
+        self.text.trim().trim_start_matches(['#', '%']).trim()
+    }
+
+    /// The names above `width` columns; `#` may be one of a column that counts.
+    pub(super) fn names(&self, separator: Separator, width: usize) -> Vec<String> {
+        match self.kind {
+            Kind::Comment if self.cells.len() != width || self.cells[0] != "#" => {
+                cut(self.bare(), separator)
+            }
+            _ => self.cells.clone(),
+        }
+    }
+}
+
+/// The text with cells of one row in one line, and numbers as programs write them: `1.2×10⁻³` for `1.2\times 10^{-3}`.
+pub(super) fn plain(text: &str) -> String {
+    let (html, list) = (text.contains("<td"), text.contains("* - "));
+    let mut out: Vec<String> = Vec::new();
+    // The line on which the row begins whose cells are read.
+    let mut row = None;
+    // `0:` before each line is the number of a process.
+    let mut first = text.lines().filter_map(|line| line.split_whitespace().next());
+    let counted =
+        |word: &&str| word.strip_suffix(':').is_some_and(|number| number.parse::<u32>().is_ok());
+    let tag = first.next().filter(counted).filter(|tag| first.clone().all(|word| word == *tag));
+    let tag = tag.filter(|_| first.next().is_some());
+    for line in text.split('\n').map(|line| message(line, tag)) {
+        let bare = line.trim();
+        let cell = bare.strip_prefix("- ").or((bare == "-").then_some(""));
+        match (row, cell) {
+            _ if html && (row.is_some() || bare.contains("<tr")) => {
+                let at = *row.get_or_insert(out.len());
+                out.resize(out.len() + 1, String::new());
+                out[at] += &untagged(bare);
+                row = row.filter(|_| !bare.contains("</tr"));
+            }
+            _ if html => out.push(untagged(line)),
+            _ if list && bare.starts_with("* - ") => {
+                row = Some(out.len());
+                out.push(typed(&bare[4..]));
+            }
+            (Some(at), Some(cell)) => {
+                out[at] += &format!("\t{}", typed(cell.trim()));
+                out.push(String::new());
+            }
+            _ => {
+                row = None;
+                out.push(typed(line));
+            }
+        }
+    }
+    out.join("\n")
+}
+
+/// The line of a log without the time, the program and the process before it.
+fn message<'a>(line: &'a str, tag: Option<&str>) -> &'a str {
+    let mut line = line;
+    let (mut bare, mut timed) = (line.trim_start(), false);
+    while let Some((word, rest)) = bare.split_once(' ') {
+        let time = |word: &str| {
+            let marks = word.chars().filter(|c| "-:".contains(*c)).count();
+            let dated = word.trim_start_matches('[').starts_with(|c: char| c.is_ascii_digit());
+            dated
+                && marks > 1
+                && word.chars().all(|c| c.is_ascii_digit() || "-:.,TZ+[]".contains(c))
+        };
+        let level = || ["INFO", "INFO:", "DEBUG", "Info:"].contains(&word);
+        // `[program 0]` holds no list.
+        let bracketed = bare.strip_prefix('[').and_then(|tag| tag.split_once("] "));
+        let bracketed = bracketed.filter(|(tag, _)| {
+            !tag.contains(['=', ',', '{', '[', '\'', '"'])
+                && (!tag.trim().contains(' ') || tag.contains(char::is_alphabetic))
+        });
+        bare = match bracketed {
+            _ if Some(word) == tag => rest,
+            Some((_, behind)) => behind,
+            None if time(word) || level() && timed => rest,
+            None if bare.starts_with("[ Info:") => rest,
+            None => break,
+        };
+        (line, timed) = (bare, true);
+        bare = bare.trim_start();
+    }
+    line
+}
+
+/// A line of HTML, its cells parted by tabs.
+fn untagged(line: &str) -> String {
+    let (mut out, mut rest) = (String::new(), line);
+    while let Some((before, behind)) = rest.split_once('<') {
+        out += before;
+        let Some((tag, behind)) = behind.split_once('>') else { break };
+        out += if tag == "/td" || tag == "/th" { "\t" } else { "" };
+        rest = behind;
+    }
+    typed(&(out + rest).replace("&nbsp;", " "))
+}
+
+pub(super) fn uncommented(line: &str) -> &str {
+    let bare = line.trim_start_matches(|c: char| "%#>!/".contains(c) || c.is_whitespace());
+    bare.strip_prefix("+ ")
+        .or(bare.strip_prefix('+').filter(|b| b.starts_with('|')))
+        .unwrap_or(bare)
+}
+
+/// Powers of ten as typeset, without blanks.
+fn typed(line: &str) -> String {
+    let marks = [" x ", "\\times", "\\cdot", "* 10^", ":math:", "np.float", "tensor("];
+    let plain = line.is_ascii() && !marks.iter().any(|mark| line.contains(mark));
+    if plain || line.len() > LONGEST {
+        return line.into();
+    }
+    let (mut out, mut raised) = (String::new(), false);
+    for c in line.chars() {
+        let digit = "⁰¹²³⁴⁵⁶⁷⁸⁹⁻".chars().position(|raised| raised == c);
+        if digit.is_some() && !raised && out.ends_with(|c: char| c.is_ascii_digit()) {
+            out.push('^');
+        }
+        out.push(digit.map_or(c, |at| char::from(b"0123456789-"[at])));
+        raised = digit.is_some();
+    }
+    for call in ["np.float64(", "np.float32(", "tensor("] {
+        while let Some((before, inside)) = out.split_once(call) {
+            out = before.to_owned() + &inside.replacen(')', "", 1);
+        }
+    }
+    for times in ["\\times", "\\cdot", "· 10", "·10"] {
+        out = out.replace(times, if times.ends_with('0') { "×10" } else { "×" });
+    }
+    out = out.replace(":math:", "");
+    for times in ["×", " x ", " * 10^"] {
+        let joined = times.trim();
+        for (a, b) in [(" ", " "), (" ", ""), ("", " ")] {
+            let digit = |c: Option<char>| c.is_some_and(|c| c.is_ascii_digit() || c == '.');
+            let wide = format!("{a}{joined}{b}");
+            while let Some(at) = out.find(&wide).filter(|&at| {
+                digit(out[..at].chars().next_back()) && digit(out[at + wide.len()..].chars().next())
+            }) {
+                out.replace_range(at..at + wide.len(), joined);
+            }
+        }
+    }
+    out
+}
+
+pub(super) fn is_rule(text: &str) -> bool {
+    let drawn = |c: char| "-+|=:_#*~. \t".contains(c) || ('\u{2500}'..='\u{257f}').contains(&c);
+    let latex = [
+        "\\begin",
+        "\\end",
+        "\\hline",
+        "\\toprule",
+        "\\midrule",
+        "\\bottomrule",
+        "\\cline",
+        "\\cmidrule",
+    ];
+    let text = text.trim();
+    let bare = latex.iter().any(|rule| text.starts_with(rule)) && !text.contains('&');
+    bare || text.chars().all(drawn) && text.chars().filter(|&c| !" \t".contains(c)).count() > 2
+}
+
+fn cut(text: &str, separator: Separator) -> Vec<String> {
+    let owned = |cell: &str| cell.trim().trim_matches('"').replace("**", "").trim().to_owned();
+    match separator {
+        Separator::Latex => {
+            let row = text.split("\\\\").next().unwrap_or_default().replace("\\hline", "");
+            let cells = row.split('&').flat_map(spanned);
+            cells.map(|cell| owned(&cell.replace(['$', '~'], ""))).collect()
+        }
+        Separator::Pipe => {
+            let text = text.trim().replace("\\|", ESCAPED);
+            let text = text.as_str();
+            let inner = text.strip_prefix(BARS);
+            let inner = inner.map_or(text, |inner| inner.strip_suffix(BARS).unwrap_or(inner));
+            inner.split(BARS).map(|cell| owned(&cell.replace(ESCAPED, "\\|"))).collect()
+        }
+        Separator::Character(separator) => {
+            // A separator between quotes is text.
+            let (mut cells, mut start, mut quoted) = (Vec::new(), 0, false);
+            for (at, c) in text.char_indices() {
+                quoted ^= c == '"';
+                if c == separator && !quoted {
+                    cells.push(owned(&text[start..at]));
+                    start = at + c.len_utf8();
+                }
+            }
+            cells.push(owned(&text[start..]));
+            cells
+        }
+        Separator::Blanks => {
+            // A bar that stands alone parts columns; `||u-u_h||` is a name.
+            let bare = text.trim().trim_start_matches(BARS).trim_end_matches("\u{2502}");
+            let bare = if text.trim().starts_with('|') { bare.trim_end_matches('|') } else { bare };
+            let mut cells: Vec<String> = Vec::new();
+            for word in bare.split_whitespace() {
+                let inner = word.strip_prefix('(').and_then(|word| word.strip_suffix(')'));
+                let rate = inner.is_some_and(|rate| !is_word(rate));
+                match cells.last_mut().filter(|cell| rate && number(cell).is_some()) {
+                    Some(cell) => *cell += &format!(" {word}"),
+                    None => cells.push(owned(word.trim_end_matches([',', ';']))),
+                }
+            }
+            cells.retain(|word| {
+                !word.is_empty() && !BARS.iter().any(|bar| *word == bar.to_string())
+            });
+            cells
+        }
+    }
+}
+
+/// A cell of LaTeX that spans columns is followed by empty ones.
+fn spanned(cell: &str) -> impl Iterator<Item = String> {
+    let behind = cell.split_once("\\multi").map(|(_, behind)| behind);
+    let (mut text, mut columns) = (cell.to_owned(), 1);
+    if let Some(behind) = behind {
+        let mut parts = behind.splitn(3, "}{");
+        let count = parts.next().and_then(|kind| kind.strip_prefix("column{")?.parse().ok());
+        columns = count.unwrap_or(1).min(MOST_SPANNED);
+        let star = behind.split_once("*{").filter(|_| behind.starts_with("row"));
+        let inner = star.map(|(_, inner)| inner).or(parts.nth(1)).unwrap_or_default().trim_end();
+        text = inner.strip_suffix('}').unwrap_or(inner).to_owned();
+    }
+    std::iter::once(text).chain(std::iter::repeat_n(String::new(), columns - 1))
+}
+
+pub(super) fn classify(text: &str, separator: Separator) -> Vec<Line<'_>> {
+    let mut lines = Vec::new();
+    for (at, text) in (1..).zip(text.lines()) {
+        let empty = text.trim().trim_matches(BARS).is_empty();
+        if empty || is_rule(text) {
+            lines.push(Line { number: at, text, cells: Vec::new(), kind: Kind::Gap });
+            continue;
+        }
+        let cells = cut(text, separator);
+        let numbers = numbers(&cells);
+        let words = cells.iter().filter(|cell| is_word(cell)).count();
+        let row = match separator {
+            // Braces hold names and values.
+            Separator::Blanks => {
+                numbers > 0 && numbers >= words && !text.trim_start().starts_with(['{', '['])
+            }
+            _ => numbers > 1 || numbers == 1 && words < 2,
+        };
+        let kind = match (text.trim_start().starts_with(['#', '%']), row) {
+            (true, _) => Kind::Comment,
+            (_, true) => Kind::Row,
+            _ => Kind::Text,
+        };
+        lines.push(Line { number: at, text, cells, kind });
+    }
+    lines
+}
+
+pub(super) fn numbers(cells: &[String]) -> usize {
+    cells.iter().filter(|cell| number(cell).is_some()).count()
+}
+
+pub(super) fn is_word(cell: &str) -> bool {
+    !is_missing(cell) && number(cell).is_none()
+}
