@@ -106,24 +106,22 @@ class Verdict:
         return pandas.DataFrame(self._rows(), columns=[self.variable, "error", "order"])
 
     def to_latex(self) -> str:
-        r"""The table as a LaTeX tabular, with the order below it.
+        r"""The table as a LaTeX tabular, as ``sweep fit --latex`` prints it, with the order below it.
 
         Returns
         -------
         str
-            Needs no package; rules are ``\hline``.
+            Rules are those of ``booktabs``.
         """
-        lines = [r"\begin{tabular}{rrr}", r"\hline", rf"${self.variable}$ & error & order \\", r"\hline"]
+        lines = [r"\begin{tabular}{rrr}", r"\toprule", rf"${self.variable}$ & error & EOC \\", r"\midrule"]
         for step, error, slope in self._rows():
-            order = "" if slope is None else f"{slope:.2f}"
+            order = "--" if slope is None else f"{slope:.2f}"
             lines.append(rf"{step:.4g} & ${_scientific(error)}$ & {order} \\")
-        lines.append(r"\hline")
         if self.order is not None and self.interval is not None:
             low, high = self.interval
-            fitted = rf"order ${self.order:.2f}$ in $[{low:.2f}, {high:.2f}]$"
-            lines.append(rf"\multicolumn{{3}}{{l}}{{{fitted}}} \\")
-            lines.append(r"\hline")
-        return "\n".join([*lines, r"\end{tabular}"])
+            fitted = rf"${self.order:.2f}$ in $[{low:.2f}, {high:.2f}]$"
+            lines += [r"\midrule", rf"order & \multicolumn{{2}}{{r}}{{{fitted}}} \\"]
+        return "\n".join([*lines, r"\bottomrule", r"\end{tabular}"])
 
     def plot(self, ax: Axes | None = None) -> Axes:
         """Errors over steps on logarithmic axes, beside the predicted order.

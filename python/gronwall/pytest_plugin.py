@@ -174,7 +174,25 @@ def pytest_report_teststatus(report: pytest.TestReport) -> Any:
     return None
 
 
-def pytest_terminal_summary(terminalreporter: Any, config: pytest.Config) -> None:
+@pytest.hookimpl(hookwrapper=True, tryfirst=True)
+def pytest_terminal_summary(terminalreporter: Any, config: pytest.Config) -> Any:
+    _write_orders(terminalreporter, config)
+    yield
+    # pytest ends with the tests that failed; these fail the run too.
+    unresolved = [report for report in terminalreporter.stats.get("unresolved", []) if report.failed]
+    if unresolved and not terminalreporter.stats.get("failed"):
+        terminalreporter.section("short test summary info")
+    for report in unresolved:
+        terminalreporter.write_line(f"UNRESOLVED {report.nodeid} - {_reason(report)}")
+
+
+def _reason(report: pytest.TestReport) -> str:
+    crash = getattr(report.longrepr, "reprcrash", None)
+    first = (crash.message if crash else str(report.longrepr)).strip().splitlines()[0]
+    return first.removeprefix("gronwall._fit.Unresolved: ").removeprefix("UNRESOLVED, ")
+
+
+def _write_orders(terminalreporter: Any, config: pytest.Config) -> None:
     reports = [report for kind in terminalreporter.stats.values() for report in kind if isinstance(report, pytest.TestReport)]
     kept = []
     for report in reports:

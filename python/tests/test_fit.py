@@ -155,6 +155,8 @@ def test_views_of_a_verdict():
     assert "PASS" in page and "&lt;L2&gt;" in page and page.count("<tr>") == 1 + len(H)
     latex = verdict.to_latex()
     assert latex.count(r"\\") == 2 + len(H) and r"1.875 \cdot 10^{-1}" in latex
+    assert latex.splitlines()[:4] == [r"\begin{tabular}{rrr}", r"\toprule", r"$h$ & error & EOC \\", r"\midrule"]
+    assert latex.splitlines()[-3].startswith(r"order & \multicolumn{2}{r}{$2.00$ in $[1.")
     frame = pytest.importorskip("pandas") and verdict.frame()
     assert list(frame.columns) == ["h", "error", "order"] and len(frame) == len(H)
 

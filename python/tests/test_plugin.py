@@ -52,6 +52,8 @@ def test_unresolved_alone_fails_the_run_unless_it_is_only_to_warn(pytester):
     for options, status in [((), pytest.ExitCode.TESTS_FAILED), (("--gronwall-unresolved=warn",), pytest.ExitCode.OK)]:
         run = pytester.runpytest("-k", "short", *options)
         assert run.ret == status and run.parseoutcomes()["unresolved"] == 1
+        listed = [line for line in run.outlines if line.startswith("UNRESOLVED ") and "test_short" in line]
+        assert len(listed) == (status == pytest.ExitCode.TESTS_FAILED), run.outlines
 
 
 def test_options_have_names(pytester):

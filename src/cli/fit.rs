@@ -17,6 +17,7 @@ use judge::fit::{Claim, Direction, Known, Point, TOLERANCE, deviation, path};
 use judge::table::{Group, Quantity, Reading, Row, Tables, named, read};
 use judge::verdict::{Decision, Prediction, Variable, Verdict};
 use report::{AnnotationPlace, write_junit};
+use serde_json::{Value, json};
 
 /// `sweep fit`.
 #[derive(Args)]
@@ -148,8 +149,11 @@ impl Fit {
             write_named(file, drawn.as_bytes())?;
         }
         let texts = match (self.markdown, self.latex) {
-            (true, _) => eoc::tables(&tables.groups, Style::Markdown),
-            (_, true) => eoc::tables(&tables.groups, Style::Latex),
+            (true, _) => eoc::tables(&tables.groups, Style::Markdown, &|_, _| None),
+            (_, true) => {
+                let order = |group: &Group, direction| fitted(&found.objects, group, direction);
+                eoc::tables(&tables.groups, Style::Latex, &order)
+            }
             _ => found.texts,
         };
         match self.json {
@@ -322,6 +326,23 @@ pub fn fitted(file: &Path, [p, q]: [Option<f64>; 2]) -> Result<Fitted, CliError>
     )
 }
 
+/// The order of a group in a direction and its interval, from what is printed as JSON.
+fn fitted(objects: &[Value], group: &Group, direction: Direction) -> Option<[f64; 3]> {
+    let of_group = |object: &&Value| {
+        object["scene"] == json!(group.scene) && object["norm"] == json!(group.norm)
+    };
+    let ours = objects.iter().filter(of_group).find_map(|object| {
+        match (object["variable"].as_str()?, direction) {
+            ("joint", Direction::Time) => Some((&object["observed_k"], &object["interval_k"])),
+            ("joint" | "path" | "h", Direction::Space) | ("k", Direction::Time) => {
+                Some((&object["observed"], &object["interval"]))
+            }
+            _ => None,
+        }
+    })?;
+    Some([ours.0.as_f64()?, ours.1[0].as_f64()?, ours.1[1].as_f64()?])
+}
+
 fn judged(
     name: &str,
     tables: &Tables,
@@ -330,7 +351,7 @@ fn judged(
 ) -> Result<Fitted, CliError> {
     let mut found =
         Fitted { texts: Vec::new(), objects: Vec::new(), verdicts: Vec::new(), all_pass: true };
-    found.texts = eoc::tables(&tables.groups, Style::Text);
+    found.texts = eoc::tables(&tables.groups, Style::Text, &|_, _| None);
     for (at, group) in tables.groups.iter().enumerate() {
         let asked = asked(group);
         let outside = left_out.get(at).map_or(&[][..], Vec::as_slice);

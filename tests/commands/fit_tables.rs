@@ -532,7 +532,14 @@ fn printed_tables_are_judged_a_norm_at_a_time() {
     assert_eq!(verdict(&["--p", "1"]), "unresolved");
     assert_eq!(verdict(&["--p", "1", "--at-least"]), "pass");
     assert_eq!(verdict(&["--p", "1", "--exact"]), "fail");
-    assert!(stdout(&fit(&["--latex"])).contains("h & H1 & EOC & L2 & EOC"));
+    let latex = stdout(&fit(&["--latex"]));
+    assert!(
+        latex.starts_with(
+            "\\begin{tabular}{rrrrr}\n\\toprule\n$h$ & H1 & EOC & L2 & EOC \\\\\n\\midrule\n"
+        ),
+        "{latex}"
+    );
+    assert!(latex.contains("order & \\multicolumn{2}{r}{$1.00$ in $["), "{latex}");
     let picture = folder.argument("errors.svg");
     assert_eq!(code(&fit(&["--p", "H1=1", "--svg", &picture])), 0);
     let drawn = std::fs::read_to_string(&picture).expect("a picture");

@@ -13,8 +13,11 @@ pub(super) enum Style {
     Latex,
 }
 
-/// A table for each scene and refined direction; for a grid its longest line.
-pub(super) fn tables(groups: &[Group], style: Style) -> Vec<String> {
+/// The order of a group in a direction, and its interval.
+pub(super) type Fitted<'f> = dyn Fn(&Group, Direction) -> Option<[f64; 3]> + 'f;
+
+/// A table for each scene and refined direction; for a grid its longest line. One for a paper ends with the fitted orders.
+pub(super) fn tables(groups: &[Group], style: Style, fitted: &Fitted<'_>) -> Vec<String> {
     let mut scenes: Vec<&Option<String>> = groups.iter().map(|group| &group.scene).collect();
     scenes.dedup();
     // Norms side by side that fit a terminal of 100 columns.
@@ -30,8 +33,9 @@ pub(super) fn tables(groups: &[Group], style: Style) -> Vec<String> {
             if shown.is_empty() {
                 continue;
             }
-            texts.extend(scene.clone());
-            texts.extend(shown.chunks(norms).map(|group| table(group, direction, style)));
+            let comment = if style == Style::Latex { "% " } else { "" };
+            texts.extend(scene.iter().map(|name| format!("{comment}{name}")));
+            texts.extend(shown.chunks(norms).map(|group| table(group, direction, style, fitted)));
         }
     }
     texts
@@ -65,7 +69,7 @@ fn orders(quantity: Quantity, line: &[Point], direction: Direction) -> Vec<Optio
     (0..line.len()).map(|at| order(at).filter(|order| order.is_finite())).collect()
 }
 
-fn table(groups: &[&Group], direction: Direction, style: Style) -> String {
+fn table(groups: &[&Group], direction: Direction, style: Style, fitted: &Fitted<'_>) -> String {
     let step = |point: &Point| direction.step(point);
     let lines: Vec<Vec<Point>> = groups.iter().map(|group| line(group, direction)).collect();
     let orders: Vec<Vec<Option<f64>>> = groups
@@ -107,7 +111,12 @@ fn table(groups: &[&Group], direction: Direction, style: Style) -> String {
         let steps = std::iter::once(plain(step(row))).chain(along.then(|| plain(row.k)));
         steps.chain(cells).collect::<Vec<String>>()
     };
-    set(&head, &rows.iter().map(row).collect::<Vec<_>>(), style)
+    let rows: Vec<Vec<String>> = rows.iter().map(row).collect();
+    let orders: Vec<_> = groups.iter().map(|group| fitted(group, direction)).collect();
+    match style {
+        Style::Latex => latex(head, &rows, &orders),
+        _ => set(&head, &rows, style),
+    }
 }
 
 fn scientific(error: f64, style: Style) -> String {
@@ -142,20 +151,49 @@ fn set(head: &Vec<String>, rows: &[Vec<String>], style: Style) -> String {
             lines.push(format!("|{}", "---:|".repeat(head.len())));
             lines.extend(rows.iter().map(|row| format!("| {} |", row.join(" | "))));
         }
-        Style::Latex => {
-            let set = |name: &String| match name.contains(['$', '\\']) {
-                true => name.clone(),
-                false => name.replace('_', "\\_").replace('%', "\\%").replace('&', "\\&"),
-            };
-            let names: Vec<String> = head.iter().map(set).collect();
-            lines.push(format!("\\begin{{tabular}}{{{}}}", "r".repeat(head.len())));
-            lines.push("\\hline".into());
-            lines.push(format!("{} \\\\", names.join(" & ")));
-            lines.push("\\hline".into());
-            lines.extend(rows.iter().map(|row| format!("{} \\\\", row.join(" & "))));
-            lines.extend(["\\hline".into(), "\\end{tabular}".into()]);
-        }
+        Style::Latex => {}
     }
+    lines.join("\n")
+}
+
+/// For `\input`, with the rules of booktabs; the last row has the fitted orders.
+fn latex(mut head: Vec<String>, rows: &[Vec<String>], orders: &[Option<[f64; 3]>]) -> String {
+    let steps = head.len() - 2 * orders.len();
+    head[..steps].iter_mut().for_each(|step| *step = format!("${step}$"));
+    for name in head.iter_mut().filter(|name| !name.contains(['$', '\\'])) {
+        *name = name.replace('_', "\\_").replace('%', "\\%").replace('&', "\\&");
+    }
+    let line = |cells: &[String]| format!("{} \\\\", cells.join(" & "));
+    let body = rows.iter().map(|row| {
+        line(
+            &row.iter()
+                .map(|cell| match &**cell {
+                    "-" => "--".into(),
+                    _ => cell.clone(),
+                })
+                .collect::<Vec<_>>(),
+        )
+    });
+    let mut lines = vec![
+        format!("\\begin{{tabular}}{{{}}}", "r".repeat(head.len())),
+        "\\toprule".into(),
+        line(&head),
+        "\\midrule".into(),
+    ];
+    lines.extend(body);
+    if orders.iter().any(Option::is_some) {
+        let cell = |order: &Option<[f64; 3]>| {
+            let text = order.map_or("--".into(), |[order, low, high]| {
+                format!("${order:.2}$ in $[{low:.2}, {high:.2}]$")
+            });
+            format!("\\multicolumn{{2}}{{r}}{{{text}}}")
+        };
+        let mut last = vec![String::new(); steps];
+        last[0] = "order".into();
+        last.extend(orders.iter().map(cell));
+        lines.extend(["\\midrule".into(), line(&last)]);
+    }
+    lines.extend(["\\bottomrule".into(), "\\end{tabular}".into()]);
     lines.join("\n")
 }
 
