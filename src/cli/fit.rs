@@ -151,7 +151,7 @@ impl Fit {
         let texts = match (self.markdown, self.latex) {
             (true, _) => eoc::tables(&tables.groups, Style::Markdown, &|_, _| None),
             (_, true) => {
-                let order = |group: &Group, direction| fitted(&found.objects, group, direction);
+                let order = |group: &Group, direction| order_in(&found.objects, group, direction);
                 eoc::tables(&tables.groups, Style::Latex, &order)
             }
             _ => found.texts,
@@ -161,7 +161,7 @@ impl Fit {
             false => texts.iter().for_each(|text| print_text(text)),
         }
         if let Some(path) = &self.junit {
-            let version = serde_json::json!({ "version": env!("CARGO_PKG_VERSION") });
+            let version = json!({ "version": env!("CARGO_PKG_VERSION") });
             write_junit(path, &found.verdicts, &version, None)?;
         }
         let printed = self.json || self.markdown || self.latex;
@@ -327,7 +327,7 @@ pub fn fitted(file: &Path, [p, q]: [Option<f64>; 2]) -> Result<Fitted, CliError>
 }
 
 /// The order of a group in a direction and its interval, from what is printed as JSON.
-fn fitted(objects: &[Value], group: &Group, direction: Direction) -> Option<[f64; 3]> {
+fn order_in(objects: &[Value], group: &Group, direction: Direction) -> Option<[f64; 3]> {
     let of_group = |object: &&Value| {
         object["scene"] == json!(group.scene) && object["norm"] == json!(group.norm)
     };
