@@ -127,6 +127,7 @@ fn scientific(error: f64, style: Style) -> String {
     }
 }
 
+/// For a terminal, or in Markdown.
 fn set(head: &Vec<String>, rows: &[Vec<String>], style: Style) -> String {
     let mut lines = Vec::new();
     match style {
@@ -146,12 +147,11 @@ fn set(head: &Vec<String>, rows: &[Vec<String>], style: Style) -> String {
                 lines.push(cells.join("  "));
             }
         }
-        Style::Markdown => {
+        _ => {
             lines.push(format!("| {} |", head.join(" | ")));
             lines.push(format!("|{}", "---:|".repeat(head.len())));
             lines.extend(rows.iter().map(|row| format!("| {} |", row.join(" | "))));
         }
-        Style::Latex => {}
     }
     lines.join("\n")
 }
@@ -239,16 +239,18 @@ mod tests {
     #[test]
     fn orders_stand_beside_their_errors() {
         let groups = read(WIDE.as_bytes(), &Reading::default()).unwrap().groups;
-        let markdown = tables(&groups, Style::Markdown).join("\n");
+        let markdown = tables(&groups, Style::Markdown, &|_, _| None).join("\n");
         let rows: Vec<&str> = markdown.lines().collect();
         assert_eq!(rows[0], "| h | L2 | EOC | e_u | EOC |");
         assert_eq!(rows[2], "| 0.5 | 1.000e-1 | - | 1.000e0 | - |");
         assert_eq!(rows[3], "| 0.25 | 2.500e-2 | 2.00 | 5.000e-1 | 1.00 |");
         assert_eq!(rows[4], "| 1e-4 | - | - | 2.000e-4 | 1.00 |");
-        let latex = tables(&groups, Style::Latex).join("\n");
-        assert!(latex.contains("h & L2 & EOC & e\\_u & EOC \\\\"), "{latex}");
+        let latex = tables(&groups, Style::Latex, &|_, _| Some([2.0, 1.9, 2.125])).join("\n");
+        assert!(latex.contains("$h$ & L2 & EOC & e\\_u & EOC \\\\"), "{latex}");
+        let last = "order & \\multicolumn{2}{r}{$2.00$ in $[1.90, 2.12]$} & ";
+        assert!(latex.contains(last) && latex.contains("\\bottomrule"), "{latex}");
         assert!(latex.contains("0.25 & $2.500 \\cdot 10^{-2}$ & 2.00"), "{latex}");
-        let plain = tables(&groups, Style::Text).join("\n");
+        let plain = tables(&groups, Style::Text, &|_, _| None).join("\n");
         assert_eq!(plain.lines().nth(2), Some("0.25  2.500e-2  2.00  5.000e-1  1.00"), "{plain}");
         // The output can be read as input.
         for text in [plain, markdown, latex] {
@@ -262,7 +264,7 @@ mod tests {
     fn values_and_paths_have_tables_too() {
         let text = |text: &str| {
             let groups = read(text.as_bytes(), &Reading::default()).unwrap().groups;
-            tables(&groups, Style::Text).join("\n")
+            tables(&groups, Style::Text, &|_, _| None).join("\n")
         };
         let values = text("h,value\n0.4,1.16\n0.2,1.04\n0.1,1.01\n");
         assert_eq!(values.lines().last(), Some("0.1   1.01   2.00"), "{values}");

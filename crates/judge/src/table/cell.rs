@@ -343,7 +343,9 @@ pub(super) fn likeness(asked: &str, column: &str) -> u8 {
         }
         text
     };
-    let mut words = column.split(|c: char| !c.is_alphanumeric());
+    // H^1 of |u-u_h|_{H^1} is one word.
+    let flat = column.replace('^', "");
+    let mut words = flat.split(|c: char| !c.is_alphanumeric());
     let same = [
         asked == column,
         normal(asked) == normal(column),

@@ -8,8 +8,8 @@ use super::text::{is_table, known, readings};
 use super::{Group, Quantity, Reading, Row, TableError};
 use crate::fit::{Direction, Point, deviation, is_step, screen};
 
-/// More rows are no table of a study.
-const MOST_ROWS: usize = 1_000_000;
+/// More lines are no table of a study.
+const MOST_LINES: usize = 1_100_000;
 
 /// Tables are compared with one another.
 const MOST_TABLES: usize = 1000;
@@ -38,8 +38,8 @@ pub fn read(bytes: &[u8], reading: &Reading) -> Result<Tables, TableError> {
         ));
     }
     let lines = bytes.iter().filter(|&&byte| byte == b'\n').count();
-    if lines > MOST_ROWS + MOST_ROWS / 10 {
-        return Err(TableError::at(1, format!("{lines} lines: at most {MOST_ROWS} rows are read")));
+    if lines > MOST_LINES {
+        return Err(TableError::at(1, format!("{lines} lines: at most {MOST_LINES} are read")));
     }
     let text = text.trim_start_matches('\u{feff}');
     let mut best: Option<((usize, usize, usize), TableError)> = None;

@@ -288,3 +288,9 @@ fn torn_and_mixed_texts_are_read_as_a_person_reads_them() {
     let again = "h error\n0.5 1\n\nh error\n0.25 0.25\n\nh error\n0.125 0.0625\n";
     assert_eq!(said(again), "read 3 rows: h from `h`, errors `error`");
 }
+
+#[test]
+fn a_norm_finds_its_column_in_typeset_form() {
+    assert_eq!(named("H1", &["h", "|u-u_h|_{L^2}", "|u-u_h|_{H^1}"]), Ok(2));
+    assert!(named("H1", &["h", "|u-u_h|_{L^2}"]).is_err());
+}

@@ -83,7 +83,10 @@ pub fn cause_of(
         |n: usize| left.rows.iter().fold(0.0f64, |most, &row| most.max(left.balance[n][row].abs()));
     let off: Vec<f64> = (0..left.u.len()).map(at).collect();
     let most = off.iter().copied().fold(0.0, f64::max);
-    let share = |value: f64| format!("{:.0e}", value / left.scale);
+    let share = |value: f64| match value {
+        0.0 => "0".to_owned(),
+        _ => format!("{:.0e}", value / left.scale),
+    };
     if most <= left.sound {
         let balanced = format!("off Gamma3 the forces balance to {} of the largest", share(most));
         return Ok(of_contact(&left, &balanced));
