@@ -43,8 +43,6 @@ const LARGEST_NOISE: f64 = 0.3;
 const COARSE: [f64; 6] = [0.6, 0.2, 0.1, 0.05, 0.03, 0.02];
 /// Prior of dropping so many fine levels; the last for any more.
 const FINE: [f64; 4] = [1.0, 0.03, 0.015, 0.008];
-/// A noise of 10 % scatters by less about a line, with a probability of 95 % where two degrees of freedom are left (chi-square).
-const MOST_SCATTER: f64 = 0.18;
 /// Slopes below this share of those before are a floor that scatters, not a slower term.
 const FLAT: f64 = 0.35;
 /// Readings of the fine end drop at most so many coarse levels.
@@ -120,7 +118,7 @@ struct Trend {
     /// Order of the differences of the last three errors, which no constant changes.
     of_differences: Option<f64>,
     /// Slope of the straight line, where the slopes go up and down about it as by noise.
-    scattered: Option<f64>,
+    scattered: Option<[f64; 2]>,
     /// The noise is told.
     told_noise: bool,
     /// The largest slope before the finest levels that a floor may hold.
@@ -492,8 +490,8 @@ impl Table {
     }
 
     /// Slope of the straight line through four and more levels whose slopes neither rise nor fall throughout, by a noise
-    /// that nobody told and that is small enough for a line to tell the order.
-    fn scattered(&self) -> Option<f64> {
+    /// that nobody told, and the deviation of logarithms of errors from it.
+    fn scattered(&self) -> Option<[f64; 2]> {
         let changes: Vec<f64> = self.slopes().windows(2).map(|pair| pair[1] - pair[0]).collect();
         let up = changes.iter().filter(|change| **change > 0.0).count();
         let products: f64 = self.x.iter().zip(&self.y).map(|(x, y)| x * y).sum();
@@ -502,7 +500,7 @@ impl Table {
         let left: f64 = self.x.iter().zip(&self.y).map(|(x, y)| (y - slope * x).powi(2)).sum();
         let scatter = (left / (self.x.len() as f64 - 2.0)).sqrt();
         let turns = changes.len() > 1 && up > 0 && up < changes.len();
-        (!self.told_noise() && turns && scatter <= MOST_SCATTER).then_some(slope)
+        (!self.told_noise() && turns).then_some([slope, scatter])
     }
 
     /// The last slope is below the one before: a floor, not a reference.
