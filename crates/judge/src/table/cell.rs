@@ -95,7 +95,7 @@ pub(super) fn number(cell: &str) -> Option<Number> {
         return sides.all(|side| side == Some(first)).then(|| plain(first, Comma::None))?;
     }
     if text.contains(',') {
-        return commas(text).and_then(|(value, comma)| plain(value, comma));
+        return commas(&fortran).and_then(|(value, comma)| plain(value, comma));
     }
     let letters = text.trim_end_matches(|c: char| c.is_alphabetic());
     let unit = &text[letters.len()..];

@@ -29,6 +29,7 @@ fn every_separator_gives_one_table() {
         "h;L2;H1\n0.5;0.1;1\n0.25;0.025;0.5\n",
         "h\tL2\tH1\n0.5\t0.1\t1\n0.25\t0.025\t0.5\n",
         "  h     L2   H1\n  0.5  1.0e-01  1\n\n  1/4  2.5D-02  .5\n",
+        "h L2 H1\n5,000D-01 1.0D-01 1\n2,500D-01 2.5D-02 .5\n",
         "# made by a program\n# h L2 H1\n0.5 0.1 1\n0.25 0.025 0.5\n",
         "% h, L2, H1\n0.5, 0.1, 1\n0.25, 0.025, 0.5\n",
         "| h | L2 | rate | H1 |\n|---|:--:|---|---|\n| 0.5 | 0.1 | - | 1 |\n| 0.25 | 0.025 | 2.00 | 0.5 |\n",
@@ -287,6 +288,13 @@ fn torn_and_mixed_texts_are_read_as_a_person_reads_them() {
     // A program that is run three times.
     let again = "h error\n0.5 1\n\nh error\n0.25 0.25\n\nh error\n0.125 0.0625\n";
     assert_eq!(said(again), "read 3 rows: h from `h`, errors `error`");
+}
+
+/// What a fuzzed text met first.
+#[test]
+fn a_cell_that_spans_nothing_is_a_cell() {
+    let rows = "\\multicolumn{0}{c}{h} & L2 \\\\\n0.5 & 0.1 \\\\\n0.25 & 0.025 \\\\\n";
+    assert_eq!(groups(rows)[0].rows.len(), 2);
 }
 
 #[test]
