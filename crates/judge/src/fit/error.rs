@@ -20,6 +20,8 @@ pub enum FitError {
     /// A step that occurs twice has no ratio and no slope.
     #[error("the step {step:e} occurs twice")]
     RepeatedStep { step: f64 },
+    #[error("the steps {coarse:e} and {fine:e} are too far apart: their ratio is not finite")]
+    NoRatio { coarse: f64, fine: f64 },
     /// A step, an error, a floor or a deviation that is none.
     #[error(transparent)]
     Level(#[from] LevelError),

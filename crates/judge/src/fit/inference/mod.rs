@@ -363,6 +363,10 @@ impl Table {
         if let Some(pair) = levels.windows(2).find(same) {
             return Err(FitError::RepeatedStep { step: pair[1].size() });
         }
+        let [coarse, fine] = [levels[0].size(), levels[levels.len() - 1].size()];
+        if !(coarse / fine).is_finite() {
+            return Err(FitError::NoRatio { coarse, fine });
+        }
         let levels = &levels[levels.len().saturating_sub(LONGEST)..];
         let factor = |size: f64| if log == 0.0 { 0.0 } else { log * size.ln().abs().ln() };
         // One noise for all levels (unknown or given), or one per level.

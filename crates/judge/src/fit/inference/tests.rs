@@ -386,6 +386,9 @@ fn what_is_no_table_is_refused() {
     assert_eq!(both.checked(), Err(ClaimError::Both));
     let one = level(1.0, 1.0);
     assert_eq!(refused(&[one, a, b], None, 1.0), FitError::NoLogarithm { step: 1.0 });
+    let apart = [level(64.0, 1.0), level(32.0, 0.5), level(5e-324, 0.1)];
+    let no_ratio = FitError::NoRatio { coarse: 64.0, fine: 5e-324 };
+    assert_eq!(refused(&apart, None, 0.0), no_ratio);
     for order in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
         assert!(Claim::new(order).is_err());
     }
