@@ -170,7 +170,7 @@ fn document(name: &str) -> String {
 #[test]
 fn every_message_of_the_questions_is_one_of_the_program() {
     let page = document("FAQ.md");
-    assert!(page.matches("```text").count() >= 15);
+    assert!(page.matches("```text").count() >= 20);
     if let Some(what) = followed(&page) {
         panic!("{what}");
     }
