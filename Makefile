@@ -63,6 +63,7 @@ python: ## the Python package: source distribution and wheel in target/wheels, i
 	sdist=$$(basename $(WHEELS)/gronwall-*.tar.gz .tar.gz) && tar -czf $(WHEELS)/$$sdist.tar.gz --transform "s,^sdist,$$sdist," -C target sdist
 	git ls-files >$(UNPACKED).files
 	grep -vE '^(Cargo.toml|README.md|python/(gronwall/.*|pyproject.toml|Cargo.toml))$$' $(UNPACKED).files | xargs -I FILE cmp FILE $(UNPACKED)/FILE
+	cmp src/README.md $(UNPACKED)/README.md
 	diff -r -x __pycache__ python/gronwall $(UNPACKED)/gronwall
 	cd $(UNPACKED)/python && $(CARGO) metadata --locked --format-version 1 >/dev/null
 	$(BUILDER)/bin/maturin build --release --locked --manifest-path python/Cargo.toml --out $(WHEELS)
