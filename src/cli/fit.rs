@@ -149,10 +149,10 @@ impl Fit {
             write_named(file, drawn.as_bytes())?;
         }
         let texts = match (self.markdown, self.latex) {
-            (true, _) => eoc::tables(&tables.groups, Style::Markdown, &|_, _| None),
+            (true, _) => eoc::tables(&tables.groups, Style::Markdown),
             (_, true) => {
                 let order = |group: &Group, direction| order_in(&found.objects, group, direction);
-                eoc::tables(&tables.groups, Style::Latex, &order)
+                eoc::tables(&tables.groups, Style::Latex(&order))
             }
             _ => found.texts,
         };
@@ -351,7 +351,7 @@ fn judged(
 ) -> Result<Fitted, CliError> {
     let mut found =
         Fitted { texts: Vec::new(), objects: Vec::new(), verdicts: Vec::new(), all_pass: true };
-    found.texts = eoc::tables(&tables.groups, Style::Text, &|_, _| None);
+    found.texts = eoc::tables(&tables.groups, Style::Text);
     for (at, group) in tables.groups.iter().enumerate() {
         let asked = asked(group);
         let outside = left_out.get(at).map_or(&[][..], Vec::as_slice);

@@ -6,22 +6,23 @@ use judge::fit::{Direction, Point, Triple, ValueSample, path, plain, same_level,
 use judge::table::{Group, Quantity};
 use report::{Axis, Chart, Datum, Part, Scale, Series, Slope};
 
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Style {
-    Text,
-    Markdown,
-    Latex,
-}
-
 /// The order of a group in a direction, and its interval.
 pub(super) type Fitted<'f> = dyn Fn(&Group, Direction) -> Option<[f64; 3]> + 'f;
 
-/// A table for each scene and refined direction; for a grid its longest line. One for a paper ends with the fitted orders.
-pub(super) fn tables(groups: &[Group], style: Style, fitted: &Fitted<'_>) -> Vec<String> {
+#[derive(Clone, Copy)]
+pub(super) enum Style<'f> {
+    Text,
+    Markdown,
+    /// With the orders that stand below.
+    Latex(&'f Fitted<'f>),
+}
+
+/// A table for each scene and refined direction; for a grid its longest line.
+pub(super) fn tables(groups: &[Group], style: Style<'_>) -> Vec<String> {
     let mut scenes: Vec<&Option<String>> = groups.iter().map(|group| &group.scene).collect();
     scenes.dedup();
     // Norms side by side that fit a terminal of 100 columns.
-    let norms = if style == Style::Text { 4 } else { usize::MAX };
+    let norms = if matches!(style, Style::Text) { 4 } else { usize::MAX };
     let mut texts = Vec::new();
     for scene in scenes {
         for direction in Direction::BOTH {
@@ -33,9 +34,9 @@ pub(super) fn tables(groups: &[Group], style: Style, fitted: &Fitted<'_>) -> Vec
             if shown.is_empty() {
                 continue;
             }
-            let comment = if style == Style::Latex { "% " } else { "" };
+            let comment = if matches!(style, Style::Latex(_)) { "% " } else { "" };
             texts.extend(scene.iter().map(|name| format!("{comment}{name}")));
-            texts.extend(shown.chunks(norms).map(|group| table(group, direction, style, fitted)));
+            texts.extend(shown.chunks(norms).map(|group| table(group, direction, style)));
         }
     }
     texts
@@ -69,7 +70,7 @@ fn orders(quantity: Quantity, line: &[Point], direction: Direction) -> Vec<Optio
     (0..line.len()).map(|at| order(at).filter(|order| order.is_finite())).collect()
 }
 
-fn table(groups: &[&Group], direction: Direction, style: Style, fitted: &Fitted<'_>) -> String {
+fn table(groups: &[&Group], direction: Direction, style: Style<'_>) -> String {
     let step = |point: &Point| direction.step(point);
     let lines: Vec<Vec<Point>> = groups.iter().map(|group| line(group, direction)).collect();
     let orders: Vec<Vec<Option<f64>>> = groups
@@ -112,47 +113,42 @@ fn table(groups: &[&Group], direction: Direction, style: Style, fitted: &Fitted<
         steps.chain(cells).collect::<Vec<String>>()
     };
     let rows: Vec<Vec<String>> = rows.iter().map(row).collect();
-    let orders: Vec<_> = groups.iter().map(|group| fitted(group, direction)).collect();
     match style {
-        Style::Latex => latex(head, &rows, &orders),
-        _ => set(&head, &rows, style),
+        Style::Text => text(&head, &rows),
+        Style::Markdown => markdown(&head, &rows),
+        Style::Latex(fitted) => {
+            let orders: Vec<_> = groups.iter().map(|group| fitted(group, direction)).collect();
+            latex(head, &rows, &orders)
+        }
     }
 }
 
-fn scientific(error: f64, style: Style) -> String {
+fn scientific(error: f64, style: Style<'_>) -> String {
     let text = format!("{error:.3e}");
     match (style, text.split_once('e')) {
-        (Style::Latex, Some((digits, power))) => format!("${digits} \\cdot 10^{{{power}}}$"),
+        (Style::Latex(_), Some((digits, power))) => format!("${digits} \\cdot 10^{{{power}}}$"),
         _ => text,
     }
 }
 
-/// For a terminal, or in Markdown.
-fn set(head: &Vec<String>, rows: &[Vec<String>], style: Style) -> String {
-    let mut lines = Vec::new();
-    match style {
-        Style::Text => {
-            let width = |at: usize| {
-                let cells = rows.iter().chain([head]).map(|row| row[at].chars().count());
-                cells.max().unwrap_or(0)
-            };
-            let widths: Vec<usize> = (0..head.len()).map(width).collect();
-            for row in std::iter::once(head).chain(rows) {
-                // Steps are left-aligned.
-                let cell = |(at, (cell, width)): (usize, (&String, &usize))| match at {
-                    0 => format!("{cell:<width$}"),
-                    _ => format!("{cell:>width$}"),
-                };
-                let cells: Vec<String> = row.iter().zip(&widths).enumerate().map(cell).collect();
-                lines.push(cells.join("  "));
-            }
-        }
-        _ => {
-            lines.push(format!("| {} |", head.join(" | ")));
-            lines.push(format!("|{}", "---:|".repeat(head.len())));
-            lines.extend(rows.iter().map(|row| format!("| {} |", row.join(" | "))));
-        }
-    }
+fn text(head: &[String], rows: &[Vec<String>]) -> String {
+    let all = || std::iter::once(head).chain(rows.iter().map(Vec::as_slice));
+    let width = |at: usize| all().map(|row| row[at].chars().count()).max().unwrap_or(0);
+    let widths: Vec<usize> = (0..head.len()).map(width).collect();
+    // Steps are left-aligned.
+    let cell = |(at, (cell, width)): (usize, (&String, &usize))| match at {
+        0 => format!("{cell:<width$}"),
+        _ => format!("{cell:>width$}"),
+    };
+    let line =
+        |row: &[String]| -> Vec<String> { row.iter().zip(&widths).enumerate().map(cell).collect() };
+    all().map(|row| line(row).join("  ")).collect::<Vec<_>>().join("\n")
+}
+
+fn markdown(head: &[String], rows: &[Vec<String>]) -> String {
+    let line = |cells: &[String]| format!("| {} |", cells.join(" | "));
+    let mut lines = vec![line(head), format!("|{}", "---:|".repeat(head.len()))];
+    lines.extend(rows.iter().map(|row| line(row)));
     lines.join("\n")
 }
 
@@ -164,16 +160,8 @@ fn latex(mut head: Vec<String>, rows: &[Vec<String>], orders: &[Option<[f64; 3]>
         *name = name.replace('_', "\\_").replace('%', "\\%").replace('&', "\\&");
     }
     let line = |cells: &[String]| format!("{} \\\\", cells.join(" & "));
-    let body = rows.iter().map(|row| {
-        line(
-            &row.iter()
-                .map(|cell| match &**cell {
-                    "-" => "--".into(),
-                    _ => cell.clone(),
-                })
-                .collect::<Vec<_>>(),
-        )
-    });
+    let dashed = |cell: &String| if cell == "-" { "--".to_owned() } else { cell.clone() };
+    let body = rows.iter().map(|row| line(&row.iter().map(dashed).collect::<Vec<_>>()));
     let mut lines = vec![
         format!("\\begin{{tabular}}{{{}}}", "r".repeat(head.len())),
         "\\toprule".into(),
@@ -239,18 +227,18 @@ mod tests {
     #[test]
     fn orders_stand_beside_their_errors() {
         let groups = read(WIDE.as_bytes(), &Reading::default()).unwrap().groups;
-        let markdown = tables(&groups, Style::Markdown, &|_, _| None).join("\n");
+        let markdown = tables(&groups, Style::Markdown).join("\n");
         let rows: Vec<&str> = markdown.lines().collect();
         assert_eq!(rows[0], "| h | L2 | EOC | e_u | EOC |");
         assert_eq!(rows[2], "| 0.5 | 1.000e-1 | - | 1.000e0 | - |");
         assert_eq!(rows[3], "| 0.25 | 2.500e-2 | 2.00 | 5.000e-1 | 1.00 |");
         assert_eq!(rows[4], "| 1e-4 | - | - | 2.000e-4 | 1.00 |");
-        let latex = tables(&groups, Style::Latex, &|_, _| Some([2.0, 1.9, 2.125])).join("\n");
+        let latex = tables(&groups, Style::Latex(&|_, _| Some([2.0, 1.9, 2.125]))).join("\n");
         assert!(latex.contains("$h$ & L2 & EOC & e\\_u & EOC \\\\"), "{latex}");
         let last = "order & \\multicolumn{2}{r}{$2.00$ in $[1.90, 2.12]$} & ";
         assert!(latex.contains(last) && latex.contains("\\bottomrule"), "{latex}");
         assert!(latex.contains("0.25 & $2.500 \\cdot 10^{-2}$ & 2.00"), "{latex}");
-        let plain = tables(&groups, Style::Text, &|_, _| None).join("\n");
+        let plain = tables(&groups, Style::Text).join("\n");
         assert_eq!(plain.lines().nth(2), Some("0.25  2.500e-2  2.00  5.000e-1  1.00"), "{plain}");
         // The output can be read as input.
         for text in [plain, markdown, latex] {
@@ -264,7 +252,7 @@ mod tests {
     fn values_and_paths_have_tables_too() {
         let text = |text: &str| {
             let groups = read(text.as_bytes(), &Reading::default()).unwrap().groups;
-            tables(&groups, Style::Text, &|_, _| None).join("\n")
+            tables(&groups, Style::Text).join("\n")
         };
         let values = text("h,value\n0.4,1.16\n0.2,1.04\n0.1,1.01\n");
         assert_eq!(values.lines().last(), Some("0.1   1.01   2.00"), "{values}");
