@@ -5,7 +5,7 @@
 //! Mesh: 6 cells along an edge, in space 2. Data: elasticity, memory, body force; the obstacle comes nearer and withdraws.
 //! Defects: the gap of t = 0 at all times, and that of the level before.
 
-use crate::shipped::{on_mesh, setup_of};
+use crate::shipped::{errors, on_mesh, setup, setup_of};
 use fem::contact::{Discretization, Load, LoadError, Model, Plan, march};
 use scene::setup::{MeshData, Setup, TruthLoad};
 use vhi::Newton;
@@ -150,4 +150,13 @@ fn a_gap_that_moves_is_a_load_of_the_lifted_problem() {
             assert!(off > SEEN, "{d} {more}, the gap {name}: {off:e}");
         }
     }
+}
+
+/// The obstacle of the scene is reached everywhere and always; by the gap of another time little or nothing would be locked.
+#[test]
+fn the_locked_set_is_that_of_its_time() {
+    let setup = setup("moving-obstacle-time");
+    let found = errors(&setup, &setup.model, &on_mesh(&setup, 4), 4);
+    let apart: Vec<f64> = found.iter().map(|errors| errors.contact_set).collect();
+    assert_eq!(apart, [0.0; 5]);
 }
