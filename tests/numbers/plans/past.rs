@@ -112,6 +112,7 @@ fn long_all_sums_over_the_past_have_the_same_solution() {
         "quadratic-friction",
         "quadratic-memory",
         "singular-contact",
+        "symmetry-quadratic",
     ];
     assert_eq!(direct_alone, other_rules);
     assert!(recursive >= 40 && interpolated > recursive, "{recursive} {interpolated}");
