@@ -30,7 +30,7 @@ impl<const S: usize> InSpace<S> {
         answers
     }
 
-    /// Adds the slopes of the law at the vertices; holds the vertices whose u_ν does not move.
+    /// Adds the slopes of the law at the vertices; holds u_ν where it does not move, and on planes of symmetry.
     pub(super) fn add_contact(&self, answers: &[Option<Answer>], values: &mut [f64]) {
         let stiffness = values.iter().fold(0.0, |size: f64, value| size.max(value.abs()));
         for (point, answer) in self.space.trace.points.iter().zip(answers) {
@@ -41,6 +41,12 @@ impl<const S: usize> InSpace<S> {
             };
             let along = |i: usize, j: usize| answer * point.normal[i] * point.normal[j];
             self.add_at(point.node, along, values);
+        }
+        for support in &self.space.supports {
+            let node = self.space.nodes.of_vertex[support.vertex as usize];
+            let along =
+                |i: usize, j: usize| HELD * stiffness * support.normal[i] * support.normal[j];
+            self.add_at(node, along, values);
         }
     }
 
