@@ -116,7 +116,13 @@ fn of_page(text: &str) -> Vec<Vec<String>> {
         let row = row.split("</tr>").next().unwrap_or_default();
         row.split("<td").skip(1).map(|cell| words(&format!("<td{cell}"))).collect()
     };
-    text.split("<tr").skip(1).map(cells).filter(|row| row.len() > 4).collect()
+    let columns = |line: &str| -> Vec<String> {
+        line.split("  ").map(str::trim).filter(|cell| !cell.is_empty()).map(str::to_owned).collect()
+    };
+    let evidence = text.split("<pre").skip(1).filter_map(|rest| rest.split("</pre>").next());
+    let evidence = evidence.flat_map(|lines| lines.lines().map(columns));
+    let rows = text.split("<tr").skip(1).map(cells);
+    rows.chain(evidence).filter(|row| row.len() > 4).collect()
 }
 
 /// `found` is the number written, to `share` of itself.
@@ -284,7 +290,7 @@ fn tables(rows: &[Vec<String>], verdicts: &[Verdict]) -> Result<(), String> {
                 number(text).is_some_and(|found| (found - wanted).abs() <= 6e-4 * wanted)
             };
             let of_point = |row: &&Vec<String>| {
-                row.len() == 8 && row[..2] == counts && near(&row[4], error) && row[7] == "served"
+                row.len() == 8 && row[..2] == counts && near(&row[4], error) && row[7] == "used"
             };
             let row = rows.iter().find(of_point);
             let row = row.ok_or_else(|| format!("no point {counts:?} with the error {error:e}"))?;
@@ -308,10 +314,32 @@ fn attribute<'a>(line: &'a str, name: &str) -> Option<&'a str> {
 }
 
 fn coordinates(text: &str) -> Vec<Place> {
-    let pairs = text.split([' ', 'M', 'L']).filter(|part| !part.is_empty());
-    let numbers: Vec<f64> =
-        pairs.flat_map(|part| part.split(',')).filter_map(|n| n.parse().ok()).collect();
+    let numbers = text.split([' ', ',']).filter_map(|n| n.parse().ok()).collect::<Vec<f64>>();
     numbers.chunks_exact(2).map(|pair| (pair[0], pair[1])).collect()
+}
+
+/// The places of each piece of a path: M, and differences by l, h, v, a; z ends it.
+fn pieces(data: &str) -> Vec<Vec<Place>> {
+    let mut pieces: Vec<Vec<Place>> = Vec::new();
+    let spelt = data.replace('-', " -");
+    let starts: Vec<usize> =
+        spelt.match_indices(char::is_alphabetic).map(|(at, _)| at).chain([spelt.len()]).collect();
+    for ends in starts.windows(2) {
+        let (letter, rest) = spelt[ends[0]..ends[1]].split_at(1);
+        let numbers: Vec<f64> = rest.split_whitespace().filter_map(|n| n.parse().ok()).collect();
+        let (x, y) = pieces.last().and_then(|piece| piece.last()).copied().unwrap_or_default();
+        match (letter, &numbers[..]) {
+            ("M", [x, y]) => pieces.push(vec![(*x, *y)]),
+            ("h", [dx]) => pieces.last_mut().expect("M comes first").push((x + dx, y)),
+            ("v", [dy]) => pieces.last_mut().expect("M comes first").push((x, y + dy)),
+            ("l", [dx, dy]) | ("a", [.., dx, dy]) => {
+                pieces.last_mut().expect("M comes first").push((x + dx, y + dy));
+            }
+            ("z", []) => {}
+            _ => panic!("a path with {letter}{rest}: {data}"),
+        }
+    }
+    pieces
 }
 
 /// Elements of a picture, a line each.
@@ -323,22 +351,31 @@ impl<'a> Picture<'a> {
     }
 
     fn texts(&self) -> impl Iterator<Item = (Place, &'a str)> {
-        self.0.iter().filter(|line| line.starts_with("<text")).filter_map(|line| {
-            let place = (attribute(line, "x")?.parse().ok()?, attribute(line, "y")?.parse().ok()?);
+        // Letters hang below the line that they are written for.
+        let height = self.0.first().and_then(|head| attribute(head, "font-size")?.parse().ok());
+        let below = (0.26 * height.unwrap_or(0.0f64)).round();
+        self.0.iter().filter(|line| line.starts_with("<text")).filter_map(move |line| {
+            let [x, y]: [f64; 2] =
+                [attribute(line, "x")?.parse().ok()?, attribute(line, "y")?.parse().ok()?];
+            let place = (x, y - below);
             Some((place, line.split('>').nth(1)?.trim_end_matches("</text")))
         })
     }
 
-    /// Strokes of a colour and a width, each as its places.
-    fn strokes(&self, colour: &str, width: &str) -> Vec<Vec<Place>> {
+    /// Strokes of a colour, a width and dashes or none, filled with an ink or not, each as its places.
+    fn paths(&self, colour: &str, width: &str, fill: &str, dashed: bool) -> Vec<Vec<Place>> {
         let drawn = self.0.iter().filter(|line| {
             line.starts_with("<path")
                 && attribute(line, "stroke") == Some(colour)
-                && attribute(line, "stroke-width") == Some(width)
+                && attribute(line, "stroke-width").unwrap_or("4") == width
+                && attribute(line, "fill") == Some(fill)
+                && attribute(line, "stroke-dasharray").is_some() == dashed
         });
-        let pieces =
-            drawn.filter_map(|line| attribute(line, "d")).flat_map(|d| d.split('M').skip(1));
-        pieces.map(coordinates).collect()
+        drawn.filter_map(|line| attribute(line, "d")).flat_map(pieces).collect()
+    }
+
+    fn strokes(&self, colour: &str, width: &str) -> Vec<Vec<Place>> {
+        self.paths(colour, width, "none", false)
     }
 }
 
@@ -377,17 +414,10 @@ fn convergence(svg: &str, verdict: &Verdict) -> Result<(), String> {
         Variable::H => point.h,
         _ => point.k,
     };
-    let circles = picture.0.iter().filter(|line| {
-        line.starts_with("<circle")
-            && attribute(line, "r") == Some("11")
-            && attribute(line, "fill") == Some(BLUE)
-    });
-    let read = |line: &&&str| -> Option<Place> {
-        Some((attribute(line, "cx")?.parse().ok()?, attribute(line, "cy")?.parse().ok()?))
-    };
     // Beyond the frame is the legend.
+    let discs = picture.paths(BLUE, "22", "none", false);
     let markers: Vec<Place> =
-        circles.filter_map(|line| read(&line)).filter(|place| place.0 < 1140.0).collect();
+        discs.iter().map(|disc| disc[0]).filter(|place| place.0 < 1140.0).collect();
     if markers.len() != verdict.points_used.len() {
         return Err(format!("{} markers of {} points", markers.len(), verdict.points_used.len()));
     }
@@ -415,9 +445,8 @@ fn convergence(svg: &str, verdict: &Verdict) -> Result<(), String> {
     if let Some(corner) = line.iter().find(|corner| !markers.iter().any(|at| near(corner, at))) {
         return Err(format!("the line has a corner at {corner:?}, no marker"));
     }
-    let dashes =
-        strokes.iter().filter(inside).filter(|line| (line[0].0 - line[1].0).abs() <= 100.0);
-    let level = dashes.map(|dash| dash[0].1).collect::<Vec<_>>();
+    let dashed = picture.paths(BLUE, "4", "none", true);
+    let level: Vec<f64> = dashed.iter().filter(inside).flatten().map(|place| place.1).collect();
     let off = |y: &f64| floors.iter().all(|floor| (floor - y).abs() > PIXEL);
     if level.is_empty() || level.iter().any(off) {
         return Err(format!("the floor lies at {level:?} for {floors:?}"));

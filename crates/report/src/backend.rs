@@ -13,13 +13,15 @@ use plotters_backend::{
     FontTransform,
 };
 
+use super::sheet::WORDS;
 use super::symbols::{escaped, scripts};
 
 /// Scripts are this much smaller, and this much lower or higher.
 const SMALLER: f64 = 0.72;
 const APART: f64 = 0.3;
 
-const PATH_END: &str = "\"/>\n";
+/// The width of curves, which a picture states once.
+pub(super) const LINE_WIDTH: u32 = 4;
 
 type Drawn = Result<(), DrawingErrorKind<Infallible>>;
 
@@ -27,30 +29,52 @@ type Drawn = Result<(), DrawingErrorKind<Infallible>>;
 #[derive(Clone)]
 pub(super) struct Elements {
     size: (u32, u32),
-    written: Rc<RefCell<Written>>,
+    /// Text height of the picture, which its words do not repeat.
+    text: f64,
+    written: Rc<RefCell<Vec<Element>>>,
 }
 
-#[derive(Default)]
-struct Written {
-    elements: String,
-    /// Beginning of the last element if it is a path, which a line of the same style continues.
-    path: String,
+enum Element {
+    /// Words, which lines may pass below.
+    Words(String),
+    /// Lines of one style: the beginning of their element, and their data.
+    Lines(String, String),
+    Other(String),
 }
 
 impl Elements {
-    pub(super) fn new(size: (u32, u32)) -> Self {
-        Self { size, written: Rc::default() }
+    pub(super) fn new(size: (u32, u32), text: f64) -> Self {
+        Self { size, text, written: Rc::default() }
     }
 
     pub(super) fn text(&self) -> String {
-        self.written.borrow().elements.clone()
+        let text = |element: &Element| match element {
+            Element::Words(text) | Element::Other(text) => format!("{text}\n"),
+            Element::Lines(begins, data) => format!("{begins}{data}\"/>\n"),
+        };
+        self.written.borrow().iter().map(text).collect()
     }
 
-    pub(super) fn push(&self, element: &str) {
+    /// A line; one like it is continued, if only words and lines that do not cover it stand between.
+    pub(super) fn line(&self, ink: &str, width: u32, more: &str, data: &str) {
+        let width =
+            if width == LINE_WIDTH { String::new() } else { format!(" stroke-width=\"{width}\"") };
+        let begins = format!("<path fill=\"none\" stroke=\"{ink}\"{width}{more} d=\"");
         let mut written = self.written.borrow_mut();
-        written.path.clear();
-        written.elements += element;
-        written.elements.push('\n');
+        let passable = |element: &&mut Element| match element {
+            Element::Words(_) => true,
+            Element::Lines(other, _) => *other == begins || [other, &begins].iter().all(is_thin),
+            Element::Other(_) => false,
+        };
+        let like = |element: &&mut Element| matches!(element, Element::Lines(other, _) if *other == begins);
+        match written.iter_mut().rev().take_while(passable).find(like) {
+            Some(Element::Lines(_, lines)) => *lines += data,
+            _ => written.push(Element::Lines(begins, data.to_owned())),
+        }
+    }
+
+    pub(super) fn push(&self, element: String) {
+        self.written.borrow_mut().push(Element::Other(element));
     }
 }
 
@@ -78,18 +102,7 @@ impl DrawingBackend for Elements {
         path: I,
         style: &S,
     ) -> Drawn {
-        let (ink, width) = (hex(style.color()), style.stroke_width());
-        let begins = format!("<path fill=\"none\" stroke=\"{ink}\" stroke-width=\"{width}\" d=\"");
-        let written = &mut *self.written.borrow_mut();
-        if begins == written.path {
-            let end = written.elements.len() - PATH_END.len();
-            written.elements.truncate(end);
-        } else {
-            written.elements += &begins;
-            written.path = begins;
-        }
-        written.elements += &moves(path);
-        written.elements += PATH_END;
+        self.line(&hex(style.color()), style.stroke_width(), "", &moves(path));
         Ok(())
     }
 
@@ -101,22 +114,7 @@ impl DrawingBackend for Elements {
         let (ink, alpha) = (hex(style.color()), style.color().alpha);
         let opacity = if alpha < 1.0 { format!(" opacity=\"{alpha}\"") } else { String::new() };
         let points: String = corners.into_iter().map(|(x, y)| format!("{x},{y} ")).collect();
-        self.push(&format!("<polygon{opacity} fill=\"{ink}\" points=\"{points}\"/>"));
-        Ok(())
-    }
-
-    /// A disc.
-    fn draw_circle<S: BackendStyle>(
-        &mut self,
-        (x, y): BackendCoord,
-        radius: u32,
-        style: &S,
-        _: bool,
-    ) -> Drawn {
-        let ink = hex(style.color());
-        self.push(&format!(
-            "<circle cx=\"{x}\" cy=\"{y}\" r=\"{radius}\" fill=\"{ink}\" stroke-width=\"1\"/>"
-        ));
+        self.push(format!("<polygon{opacity} fill=\"{ink}\" points=\"{points}\"/>"));
         Ok(())
     }
 
@@ -140,24 +138,43 @@ impl DrawingBackend for Elements {
             FontTransform::Rotate270 => format!(" transform=\"rotate(270, {x}, {y})\""),
             _ => String::new(),
         };
-        self.push(&format!(
-            "<text x=\"{x}\" y=\"{y}\" dy=\"0.5ex\"{anchor} font-size=\"{size}\" fill=\"{ink}\"{weight}{turned}>{}</text>",
+        let height =
+            if size == self.text { String::new() } else { format!(" font-size=\"{size}\"") };
+        let fill =
+            if ink == WORDS.to_string() { String::new() } else { format!(" fill=\"{ink}\"") };
+        // Half of the height of an x below the middle.
+        let y = y + (0.26 * size).round() as i32;
+        self.written.borrow_mut().push(Element::Words(format!(
+            "<text x=\"{x}\" y=\"{y}\"{anchor}{height}{fill}{weight}{turned}>{}</text>",
             set(words, size)
-        ));
+        )));
         Ok(())
     }
+}
+
+/// Grid and ticks, whose order does not show.
+fn is_thin(begins: &&String) -> bool {
+    begins.contains("stroke-width=\"2\"")
 }
 
 fn hex(BackendColor { rgb: (red, green, blue), .. }: BackendColor) -> String {
     format!("#{red:02X}{green:02X}{blue:02X}")
 }
 
-/// `M1 2L3 4`: from the first point through the others.
+/// `M1 2l2 2h5`: from the first point through the others, by their differences.
 pub(super) fn moves(path: impl IntoIterator<Item = BackendCoord>) -> String {
     let mut data = String::new();
-    for (i, (x, y)) in path.into_iter().enumerate() {
-        let letter = if i == 0 { 'M' } else { 'L' };
-        let _ = write!(data, "{letter}{x} {y}");
+    let mut before = None;
+    for (x, y) in path {
+        let _ = match before.replace((x, y)) {
+            None => write!(data, "M{x} {y}"),
+            Some((left, up)) => match (x - left, y - up) {
+                (right, 0) => write!(data, "h{right}"),
+                (0, down) => write!(data, "v{down}"),
+                (right, down) if down < 0 => write!(data, "l{right}{down}"),
+                (right, down) => write!(data, "l{right} {down}"),
+            },
+        };
     }
     data
 }

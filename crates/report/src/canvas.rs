@@ -1,12 +1,12 @@
 //! Strokes, markers and words of an SVG, in units of 1/1800 of its width.
 
 use plotters::coord::Shift;
-use plotters::element::{Circle, Drawable, PathElement, PointCollection, Polygon};
+use plotters::element::{Drawable, PathElement, PointCollection, Polygon};
 use plotters::prelude::{DrawingArea, IntoDrawingArea, IntoFont, Text};
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 use plotters::style::{Color, FontStyle, FontTransform, TextStyle};
 
-use super::backend::{Elements, moves};
+use super::backend::{Elements, LINE_WIDTH, moves};
 use super::palette::{Colour, INK};
 use super::sheet::{PAPER, WORDS, WORDS_ON_TINT, style};
 
@@ -21,8 +21,10 @@ pub(super) const LINE: f64 = 44.0;
 /// Strokes and gaps of dashed lines.
 pub(super) const DASHES: (f64, f64) = (14.0, 10.0);
 
-/// Half of the size of a marker.
+/// Half of the size of a marker with corners.
 const MARKER: f64 = 11.0;
+/// Radius of a hollow disc, to the middle of its line.
+const DISC: f64 = 9.0;
 
 /// A point on the canvas, y downwards.
 pub(super) type CanvasPoint = (f64, f64);
@@ -50,7 +52,7 @@ impl Canvas {
     }
 
     pub(super) fn of_size(size: (u32, u32), text: f64) -> Self {
-        let elements = Elements::new(size);
+        let elements = Elements::new(size, text);
         Self { area: elements.clone().into_drawing_area(), elements, size, text }
     }
 
@@ -61,12 +63,12 @@ impl Canvas {
 
     /// The picture without so much of its top.
     pub(super) fn without_head(self, head: u32) -> String {
-        let Self { size: (width, height), elements, .. } = self;
+        let Self { size: (width, height), elements, text, .. } = self;
         let (left, style, elements) = (height - head, style(), elements.text());
         format!(
-            "<svg font-family=\"sans-serif\" width=\"{width}\" height=\"{left}\" viewBox=\"0 {head} {width} {left}\" \
-             xmlns=\"http://www.w3.org/2000/svg\">{style}\n\
-             <rect x=\"0\" y=\"0\" width=\"{width}\" height=\"{height}\" fill=\"{PAPER}\"/>\n{elements}</svg>\n"
+            "<svg font-family=\"sans-serif\" font-size=\"{text}\" fill=\"{WORDS}\" stroke-width=\"{LINE_WIDTH}\" width=\"{width}\" height=\"{left}\" \
+             viewBox=\"0 {head} {width} {left}\" xmlns=\"http://www.w3.org/2000/svg\">{style}\n\
+             <rect width=\"{width}\" height=\"{height}\" fill=\"{PAPER}\"/>\n{elements}</svg>\n"
         )
     }
 
@@ -89,7 +91,7 @@ impl Canvas {
     /// Areas under lines from lower left to upper right.
     pub(super) fn hatch(&mut self, areas: impl Iterator<Item = Vec<CanvasPoint>>, colour: Colour) {
         let data: String = areas.map(|corners| moves(pixels(&corners)) + "Z").collect();
-        self.elements.push(&format!(
+        self.elements.push(format!(
             "<pattern id=\"hatch\" patternUnits=\"userSpaceOnUse\" width=\"13\" height=\"13\" patternTransform=\"rotate(45)\">\
              <path fill=\"none\" stroke=\"{colour}\" stroke-width=\"3\" d=\"M6 0L6 13\"/></pattern>\n\
              <path fill=\"url(#hatch)\" d=\"{data}\"/>"
@@ -98,24 +100,8 @@ impl Canvas {
 
     /// A path of strokes of length `on` with gaps of length `off`.
     pub(super) fn dashed(&mut self, path: &[CanvasPoint], colour: Colour, (on, off): (f64, f64)) {
-        let mut phase = 0.0;
-        for pair in path.windows(2) {
-            let (from, to) = (pair[0], pair[1]);
-            let length = (to.0 - from.0).hypot(to.1 - from.1);
-            let along = |s: f64| {
-                let share = s / length;
-                (from.0 + share * (to.0 - from.0), from.1 + share * (to.1 - from.1))
-            };
-            let mut start = -phase;
-            while start < length {
-                let stroke = (start.max(0.0), (start + on).min(length));
-                if stroke.1 > stroke.0 {
-                    self.line(&[along(stroke.0), along(stroke.1)], colour, 4);
-                }
-                start += on + off;
-            }
-            phase = (phase + length) % (on + off);
-        }
+        let dashes = format!(" stroke-dasharray=\"{on} {off}\"");
+        self.elements.line(&colour.to_string(), LINE_WIDTH, &dashes, &moves(pixels(path)));
     }
 
     pub(super) fn fill(&mut self, corners: &[CanvasPoint], colour: Colour, opacity: f64) {
@@ -132,25 +118,25 @@ impl Canvas {
         self.line(&[&corners[..], &corners[..1]].concat(), colour, width);
     }
 
-    /// One of four shapes by number; hollow for a point that is left out.
-    pub(super) fn marker(
+    /// One of four shapes by number at each place; hollow for points that are left out.
+    pub(super) fn markers(
         &mut self,
-        place: CanvasPoint,
+        places: &[CanvasPoint],
         shape: usize,
         colour: Colour,
         hollow: bool,
     ) {
-        let corners = outline(shape, place);
-        let inside = if hollow { PAPER } else { colour };
-        if corners.is_empty() {
-            for (radius, ink) in [(MARKER, colour), (MARKER - 4.0, inside)] {
-                self.draw(&Circle::new(pixel(place), radius as i32, ink.filled()));
-            }
+        if shape % 4 == 0 && !hollow {
+            // Points of a round pen.
+            let point = |place: &CanvasPoint| moves([pixel(*place)]) + "h0";
+            let data: String = places.iter().map(point).collect();
+            let round = " stroke-linecap=\"round\"";
+            self.elements.line(&colour.to_string(), 2 * MARKER as u32, round, &data);
             return;
         }
-        self.fill(&corners, inside, 1.0);
-        let closed: Vec<CanvasPoint> = corners.iter().chain(corners.first()).copied().collect();
-        self.line(&closed, colour, 4);
+        let inside = if hollow { PAPER } else { colour };
+        let data: String = places.iter().map(|place| outline(shape, *place)).collect();
+        self.elements.push(format!("<path fill=\"{inside}\" stroke=\"{colour}\" d=\"{data}\"/>"));
     }
 
     pub(super) fn text(&mut self, words: &str, place: CanvasPoint, anchor: Anchor) {
@@ -226,14 +212,19 @@ impl Canvas {
     }
 }
 
-fn outline(shape: usize, (x, y): CanvasPoint) -> Vec<CanvasPoint> {
+/// The data of a closed path around a point.
+fn outline(shape: usize, (x, y): CanvasPoint) -> String {
     let corners: &[CanvasPoint] = match shape % 4 {
-        0 => &[],
+        0 => {
+            let (left, up) = pixel((x - DISC, y));
+            let r = DISC as i32;
+            return format!("M{left} {up}a{r} {r} 0 1 0 {0} 0a{r} {r} 0 1 0-{0} 0z", 2 * r);
+        }
         1 => &[(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)],
         2 => &[(0.0, -1.3), (1.2, 0.9), (-1.2, 0.9)],
         _ => &[(0.0, -1.4), (1.4, 0.0), (0.0, 1.4), (-1.4, 0.0)],
     };
-    corners.iter().map(|(dx, dy)| (x + MARKER * dx, y + MARKER * dy)).collect()
+    moves(corners.iter().map(|(dx, dy)| pixel((x + MARKER * dx, y + MARKER * dy)))) + "z"
 }
 
 pub(super) fn corners([left, top, right, bottom]: [f64; 4]) -> [CanvasPoint; 4] {

@@ -137,8 +137,8 @@ impl Part {
             Part::Dashed(_) => canvas.dashed(run, ink, DASHES),
             Part::Dotted(_) => canvas.dashed(run, ink, DOTS),
             Part::Broken(pattern, _) => canvas.dashed(run, ink, *pattern),
-            Part::Points(_) => run.iter().for_each(|at| canvas.marker(*at, shape, ink, false)),
-            Part::Hollow(_) => run.iter().for_each(|at| canvas.marker(*at, shape, ink, true)),
+            Part::Points(_) => canvas.markers(run, shape, ink, false),
+            Part::Hollow(_) => canvas.markers(run, shape, ink, true),
         }
     }
 }

@@ -54,8 +54,8 @@ pub struct SceneSummary {
     /// Remarks: a broken hypothesis, a verdict that is not given.
     pub remarks: Vec<String>,
     pub equations: Vec<Equation>,
-    /// The scene file: part, key, value.
-    pub data: Vec<[String; 3]>,
+    /// The text of its file.
+    pub text: String,
     /// The hypotheses that it breaks on purpose, as scene files name them.
     pub violates: Vec<String>,
     /// None if it could not be computed.

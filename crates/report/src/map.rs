@@ -248,7 +248,7 @@ mod tests {
                 assert!(right.contains(words), "{words}");
             }
             // Two lines to their ends in the cell, and two in the legend.
-            let lines = |svg: &str| svg.matches('L').count();
+            let lines = |svg: &str| svg.matches('M').count();
             assert_eq!(lines(&wrong), lines(&right) + 4);
         }
     }

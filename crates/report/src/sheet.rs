@@ -15,7 +15,7 @@ pub(super) const WORDS_ON_TINT: Colour = Colour(31, 31, 31);
 pub(super) const RULES: &str = "\
 @media (prefers-color-scheme:dark){\
 svg [fill=\"#FFFFFF\"]{fill:#14171a}\
-svg [fill=\"#1E1E1E\"]{fill:#e6e6e6}\
+svg[fill=\"#1E1E1E\"]{fill:#e6e6e6}\
 svg [fill=\"#5A5A5A\"]{fill:#a8adb3}svg [stroke=\"#5A5A5A\"]{stroke:#a8adb3}\
 svg [stroke=\"#DEDEDE\"]{stroke:#33393f}\
 svg [fill=\"#000000\"]{fill:#f2f2f2}svg [stroke=\"#000000\"]{stroke:#f2f2f2}\
@@ -26,8 +26,12 @@ svg [fill=\"#CC79A7\"]{fill:#e39cc4}svg [stroke=\"#CC79A7\"]{stroke:#e39cc4}\
 svg [fill=\"#56B4E9\"]{fill:#a5dbff}svg [stroke=\"#56B4E9\"]{stroke:#a5dbff}\
 }\n";
 
+/// A picture without its rules and its paper.
 pub(super) fn without(svg: &str) -> String {
-    svg.replacen(&style(), "", 1)
+    let svg = svg.replacen(&style(), "", 1);
+    let Some((before, rest)) = svg.split_once("\n<rect ") else { return svg };
+    let after = rest.split_once("/>").map_or("", |(_, after)| after);
+    format!("{before}{after}")
 }
 
 /// The rules as an element of a picture.

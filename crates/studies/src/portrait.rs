@@ -1,4 +1,4 @@
-//! A scene as a report shows it: equations, data and remarks.
+//! A scene as a report shows it: equations, remarks and its picture.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -8,9 +8,6 @@ use formula::{EvaluationPoint, Node, Program};
 use report::{Group, Ink, SceneSummary, Sketch, StepLimits, Stroke, Terms, equations};
 use scene::setup::{Subject, cell_regions, subject_bounds};
 use scene::{Body, ContactScene, Data, Expectation, MeshFamily, Scene, Shape, Side};
-
-/// Parts of a scene file that a report shows elsewhere.
-const SAID_ELSEWHERE: [&str; 2] = ["scene", "predicts"];
 
 /// A scene's summary for a report; without a subject, the step size is omitted.
 pub fn scene_summary(scene: &Scene, subject: Option<&Subject>) -> SceneSummary {
@@ -22,7 +19,7 @@ pub fn scene_summary(scene: &Scene, subject: Option<&Subject>) -> SceneSummary {
         // If the body cannot be drawn, the picture is omitted.
         picture: Some(scene_picture(scene)),
         equations: equations(terms(scene)),
-        data: data(&scene.source.text),
+        text: scene.source.text.to_string(),
         violates: scene.violates.iter().map(|hypothesis| hypothesis.name().to_owned()).collect(),
         step: subject.and_then(step),
     }
@@ -89,56 +86,6 @@ fn remarks(scene: &Scene) -> Vec<String> {
         }
     });
     remarks
-}
-
-/// The keys of a scene file in order, with their values as written.
-fn data(text: &str) -> Vec<[String; 3]> {
-    // Parsed and validated before.
-    let Ok(table) = text.parse::<toml::Table>() else { return Vec::new() };
-    let mut rows = Vec::new();
-    for (part, value) in &table {
-        if !SAID_ELSEWHERE.contains(&part.as_str()) {
-            collect(part, value, &mut rows);
-        }
-    }
-    rows
-}
-
-/// Tables become parts `a.b`; everything else is a value.
-fn collect(part: &str, value: &toml::Value, rows: &mut Vec<[String; 3]>) {
-    match value {
-        toml::Value::Table(table) => {
-            let (nested, values): (Vec<_>, Vec<_>) =
-                table.iter().partition(|(_, value)| is_part(value));
-            rows.extend(
-                values.iter().map(|(key, value)| [part.into(), (*key).clone(), written(value)]),
-            );
-            nested.iter().for_each(|(key, value)| collect(&format!("{part}.{key}"), value, rows));
-        }
-        toml::Value::Array(parts) => {
-            for (index, value) in parts.iter().enumerate() {
-                collect(&format!("{part} {}", index + 1), value, rows);
-            }
-        }
-        other => rows.push([part.into(), String::new(), written(other)]),
-    }
-}
-
-/// A table with more than a few keys, or a list of tables; small tables stay on one line.
-fn is_part(value: &toml::Value) -> bool {
-    match value {
-        toml::Value::Table(table) => !table.contains_key("kind"),
-        toml::Value::Array(values) => values.iter().any(toml::Value::is_table),
-        _ => false,
-    }
-}
-
-/// A formula without its quotes, anything else as TOML spells it.
-fn written(value: &toml::Value) -> String {
-    match value {
-        toml::Value::String(text) => text.clone(),
-        other => other.to_string(),
-    }
 }
 
 // The picture of a scene: its body with the parts of the boundary, or its solution over t.
@@ -457,21 +404,4 @@ fn in_space(scene: &Scene, body: &ContactScene) -> Sketch {
     let surfaces: Vec<Surface> = contact.map(closed).collect();
     moved(scene, body, (&outline, &surfaces), flat, &mut sketch);
     sketch
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn data_are_the_keys_of_the_file() {
-        let text = "[scene]\nname = \"a\"\n[time]\nhorizon = 1.0\ngrid = { kind = \"uniform\" }\n[material.memory]\nkernel = \"-exp(-t)\"\n\
-                    [[material.region]]\nname = \"stiff\"\n[[predicts]]\norder = 1.0\n";
-        let rows = data(text);
-        let has = |row: [&str; 3]| rows.contains(&row.map(str::to_owned));
-        assert!(has(["time", "horizon", "1.0"]) && has(["material.memory", "kernel", "-exp(-t)"]));
-        assert!(has(["material.region 1", "name", "stiff"]), "{rows:?}");
-        assert!(rows.iter().any(|[_, key, value]| key == "grid" && value.contains("uniform")));
-        assert_eq!(rows.len(), 4, "{rows:?}");
-    }
 }

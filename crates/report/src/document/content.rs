@@ -78,7 +78,7 @@ fn number(sections: &mut [Section]) {
         match block {
             Block::Table(table) => table.number = tables.next().unwrap_or_default(),
             Block::Figure(figure) => figure.number = figures.next().unwrap_or_default(),
-            Block::Text(_) | Block::Formulas(_) | Block::Code(_) => {}
+            Block::Text(_) | Block::Formulas(_) | Block::Code(_) | Block::Scene(_) => {}
         }
     }
 }
@@ -308,29 +308,24 @@ fn of_scene(report: &Report<'_>, drawn: &Drawn<'_>) -> Section {
     for verdict in &verdicts {
         section.text(sentence(verdict));
     }
-    let rows = verdicts.iter().map(|verdict| verdict_row(verdict, None).split_off(1)).collect();
-    let caption = format!("{}: predicted and observed orders.", scene.name);
-    section.table(Table::new(caption, &VERDICT_HEADS[1..], rows));
     section.figures(&drawn.figures);
     for verdict in &verdicts {
         section.table(points(verdict));
     }
     section.table(cases(&scene.name, report.records));
-    let row = |[part, key, value]: &[String; 3]| {
-        vec![Run::plain(part), Run::plain(key), Run::code(value)]
-    };
-    let caption = format!("{}: data, as the scene file gives them.", scene.name);
-    let rows = scene.data.iter().map(row).collect();
-    section.table(Table::new(caption, &["part", "key", "value"], rows).evidence());
+    if !scene.text.is_empty() {
+        section.blocks.push(Block::Scene(scene.text.clone()));
+    }
     section
 }
 
 /// A verdict in words, without the name of its scene.
 pub(super) fn sentence(verdict: &Verdict) -> Vec<Run> {
-    let [_, norm, variable, .., decision, _] = cell_texts(verdict);
+    let [_, norm, variable, predicted, observed, decision, why] = cell_texts(verdict);
     vec![
         Run::of(format!("{norm} in {variable}: "), Tone::Strong),
         Run::of(decision, tone(verdict)),
+        Run::plain(format!(", {} for {predicted} by {why}", observed.replace('\n', "; "))),
         Run::plain(format!("; {}.", verdict.reason.trim_end_matches('.'))),
     ]
 }
@@ -396,7 +391,7 @@ pub(super) fn points(verdict: &Verdict) -> Table {
             before = Some((at, point.error));
         }
         let use_of =
-            reason.as_ref().map_or_else(|| "served".into(), |why| format!("left out: {why}"));
+            reason.as_ref().map_or_else(|| "used".into(), |why| format!("left out: {why}"));
         let cells = [
             place.n.map_or_else(|| "–".to_owned(), |n| n.to_string()),
             place.steps.to_string(),

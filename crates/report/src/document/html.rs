@@ -1,6 +1,6 @@
-//! The document as a self-contained page; a script only sorts tables.
+//! The document as a page that holds its pictures, up to a number of scenes; a script only sorts tables.
 
-use super::{Block, Card, Document, Equation, Figure, Run, Section, Table, Tone};
+use super::{Block, Card, Document, Equation, Figure, Run, Section, Table, Tone, terminal};
 use crate::sheet;
 use crate::symbols::{escaped, scripts};
 use files::counted;
@@ -16,6 +16,9 @@ const MOST_ROWS: usize = 12;
 
 /// Scenes of a group that are shown as the page opens: two rows on a screen of 1280 px.
 const MOST_CARDS: usize = 8;
+
+/// In a report of more scenes their large pictures are the files beside the page, loaded when they are looked at.
+const MOST_INSIDE: usize = 40;
 
 pub(crate) fn page(document: &Document) -> String {
     let sections = sections(document);
@@ -40,19 +43,20 @@ fn contents(document: &Document) -> String {
 
 /// All sections: cards of scenes side by side, other sections below a chapter folded.
 fn sections(document: &Document) -> String {
+    let beside = document.sections.iter().filter(|s| s.card.is_some()).count() > MOST_INSIDE;
     let alike = document.sections.chunk_by(|a, b| a.card.is_some() == b.card.is_some());
     let text = |part: &[Section]| match part.first() {
-        Some(Section { card: Some(_), .. }) => cards(part),
+        Some(Section { card: Some(_), .. }) => cards(part, beside),
         _ => part.iter().map(section).collect(),
     };
     alike.map(text).collect()
 }
 
 /// The scenes of a group; those beyond [`MOST_CARDS`] are folded, unless a verdict in them is not as expected.
-fn cards(group: &[Section]) -> String {
+fn cards(group: &[Section], beside: bool) -> String {
     let grid = |part: &[Section]| {
         let cards: String =
-            part.iter().filter_map(|s| s.card.as_ref().map(|of| card(s, of))).collect();
+            part.iter().filter_map(|s| s.card.as_ref().map(|of| card(s, of, beside))).collect();
         format!("<div class=\"cards\">\n{cards}</div>\n")
     };
     let (shown, more) = group.split_at(group.len().min(MOST_CARDS));
@@ -84,7 +88,7 @@ fn section(section: &Section) -> String {
 }
 
 /// A scene: verdict and pictures, the rest folded.
-fn card(section: &Section, card: &Card) -> String {
+fn card(section: &Section, card: &Card, beside: bool) -> String {
     let pictures: String =
         card.pictures.iter().map(|figure| labelled(&figure.svg, &figure.caption)).collect();
     let mut blocks = section.blocks.iter();
@@ -95,7 +99,11 @@ fn card(section: &Section, card: &Card) -> String {
         }
         _ => String::new(),
     };
-    let rest: String = blocks.map(block).collect();
+    let shown = |part: &Block| match part {
+        Block::Figure(figure) if beside => framed(figure, &lazy(figure)),
+        part => block(part),
+    };
+    let rest: String = blocks.map(shown).collect();
     format!(
         "<article class=\"card\" id=\"{}\">\n<h4>{}</h4>\n<p>{}</p>\n<div class=\"pair\">{pictures}</div>\n{}</article>\n",
         escaped(&section.id),
@@ -121,6 +129,9 @@ fn block(block: &Block) -> String {
         Block::Table(table) => of_table(table),
         Block::Figure(figure) => of_figure(figure),
         Block::Code(text) => format!("<pre tabindex=\"0\"><code>{}</code></pre>\n", escaped(text)),
+        Block::Scene(text) => {
+            folded("The scene file", &format!("<pre tabindex=\"0\">{}</pre>\n", quoted(text)))
+        }
     }
 }
 
@@ -139,8 +150,16 @@ fn set(text: &str, formula: bool) -> String {
     scripts(text, formula).into_iter().map(piece).collect()
 }
 
+/// Evidence as lines of characters, which can be copied into `sweep fit`; other tables are elements that sort.
 fn of_table(table: &Table) -> String {
-    let number = table.number;
+    let caption = set(&table.caption, false);
+    let has_links = table.rows.iter().flatten().any(|run| run.target.is_some());
+    if table.evidence && !has_links {
+        let lines = terminal::table(table, u16::MAX);
+        let lines: Vec<&str> = lines.lines().filter(|line| !line.starts_with(['─', '═'])).collect();
+        let lines = format!("<pre tabindex=\"0\">{}</pre>\n", quoted(&lines.join("\n")));
+        return folded(&caption, &lines);
+    }
     let class = |column: usize| if table.numeric[column] { " class=\"number\"" } else { "" };
     let head: String = table
         .head
@@ -155,35 +174,53 @@ fn of_table(table: &Table) -> String {
         format!("<tr>{}</tr>\n", cells.iter().enumerate().map(cell).collect::<String>())
     };
     let rows: String = table.rows.iter().map(row).collect();
-    let caption = format!("Table {number}. {}", set(&table.caption, false));
     let rows = format!(
         "<div class=\"scroll\" tabindex=\"0\"><table aria-label=\"{}\">\n\
          <thead><tr>{head}</tr></thead>\n<tbody>\n{rows}</tbody>\n</table></div>\n",
         escaped(&table.caption),
     );
-    let inside = match table.evidence || table.rows.len() > MOST_ROWS {
+    let inside = match table.rows.len() > MOST_ROWS {
         true => folded(&caption, &rows),
         false => format!("<figcaption>{caption}</figcaption>\n{rows}"),
     };
-    format!("<figure id=\"table-{number}\">\n{inside}</figure>\n")
+    format!("<figure>\n{inside}</figure>\n")
+}
+
+/// Text between tags, where quotes stand for themselves.
+fn quoted(text: &str) -> String {
+    escaped(text).replace("&quot;", "\"").replace("&#39;", "'")
 }
 
 fn of_figure(figure: &Figure) -> String {
-    let (number, file) = (figure.number, escaped(&figure.file));
     let whole = std::slice::from_ref(&figure.svg);
     let pieces = if figure.pieces.is_empty() { whole } else { &figure.pieces };
     let kind = if figure.pieces.is_empty() { "scroll" } else { "pieces" };
     let pieces: String = pieces.iter().map(|svg| labelled(svg, &figure.caption)).collect();
+    framed(figure, &format!("<div class=\"{kind}\" tabindex=\"0\">{pieces}</div>"))
+}
+
+fn framed(figure: &Figure, picture: &str) -> String {
+    let (caption, file) = (escaped(&figure.caption), escaped(&figure.file));
     format!(
-        "<figure id=\"figure-{number}\">\n<div class=\"{kind}\" tabindex=\"0\">{pieces}</div>\n<figcaption>Figure {number}. {} <a href=\"{file}\">{file}</a></figcaption>\n</figure>\n",
-        escaped(&figure.caption)
+        "<figure>\n{picture}\n<figcaption>{caption} <a href=\"{file}\">{file}</a></figcaption>\n</figure>\n"
     )
 }
 
-/// An accessible picture. The page has the style sheet of all pictures once, and sets their sizes.
+/// The picture from its file.
+fn lazy(figure: &Figure) -> String {
+    let (caption, file) = (escaped(&figure.caption), escaped(&figure.file));
+    format!(
+        "<div class=\"scroll\" tabindex=\"0\"><img loading=\"lazy\" src=\"{file}\" alt=\"{caption}\"></div>"
+    )
+}
+
+/// An accessible picture. The page has the style sheet of all pictures once, their paper, and sets their sizes.
 fn labelled(svg: &str, caption: &str) -> String {
     let label = escaped(caption);
-    sheet::without(svg).replacen("<svg ", &format!("<svg role=\"img\" aria-label=\"{label}\" "), 1)
+    let (head, rest) = svg.split_once('>').unwrap_or((svg, ""));
+    let head = head.replace(" xmlns=\"http://www.w3.org/2000/svg\"", "");
+    let svg = format!("{head}>{}", sheet::without(rest));
+    svg.replacen("<svg ", &format!("<svg role=\"img\" aria-label=\"{label}\" "), 1)
 }
 
 fn joined(runs: &[Run]) -> String {

@@ -146,6 +146,10 @@ fn of_block(block: &Block, folded: bool) -> String {
             format!("Figure {number}. {}\n\n![{}](<{file}>)\n\n", plain(caption), plain(caption))
         }
         Block::Code(text) => format!("```sh\n{}\n```\n\n", harmless(text)),
+        Block::Scene(text) => format!(
+            "<details><summary>The scene file</summary>\n\n```toml\n{}\n```\n\n</details>\n\n",
+            harmless(text.trim_end())
+        ),
     }
 }
 

@@ -80,6 +80,8 @@ pub(super) enum Block {
     Figure(Figure),
     /// Lines to be typed.
     Code(String),
+    /// The text of a scene file.
+    Scene(String),
 }
 
 /// Words of one style.

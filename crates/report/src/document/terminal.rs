@@ -170,7 +170,7 @@ fn block(block: &Block, width: u16) -> Option<String> {
         Block::Table(table_block) => {
             format!("{}\n{}", paragraph(&table_block.caption, width), table(table_block, width))
         }
-        Block::Figure(_) => return None,
+        Block::Figure(_) | Block::Scene(_) => return None,
         Block::Code(lines) => lines.lines().map(|line| format!("  {line}\n")).collect(),
     })
 }
