@@ -17,7 +17,7 @@ use super::level::{deviation, unexplained};
 use super::{Direction, FitError, Interval, Level, Point, Sample, power_of_log, samples, screen};
 use evidence::{Base, Gram, Noise, Row};
 use mixture::{Mixture, Part};
-use next_term::{Family, Node, runs};
+use next_term::{Family, Node, Terms, runs};
 
 #[cfg(test)]
 mod tests;
@@ -34,7 +34,7 @@ const NOISE: [(f64, f64); 7] = [
     (0.003, 0.25),
     (0.01, 0.18),
     (0.03, 0.05),
-    (0.1, 0.02),
+    (0.1, 0.06),
     (LARGEST_NOISE, 0.004),
 ];
 const LEAST_NOISE: f64 = 0.0005;
@@ -51,6 +51,16 @@ const COARSE_OF_FINE: usize = 2;
 const LEFT: f64 = 1.0 / 3.0;
 /// A reading with a floor needs more levels than an order has parameters.
 const FLOOR_LEVELS: usize = 4;
+/// What scatters in a floor, as a standard deviation of its logarithm, beside so much noise of the rest, with weights.
+const SCATTER: f64 = 0.5;
+const BESIDE_SCATTER: [(f64, f64); 2] = [(0.001, 0.75), (0.01, 0.2)];
+/// Errors that fall by more than this factor e^x are in no floor: three deviations.
+const FALLEN: f64 = 1.5;
+/// A floor that scatters, by three deviations where it begins, hides or feigns so much of the fall before it. It may be ten
+/// times the rest there.
+const HIDDEN: [f64; 2] = [1.5, 3.9];
+/// It is looked for with at most one coarse level dropped.
+const COARSE_OF_SCATTER: usize = 1;
 /// Readings below exp(-12) of the likeliest are dropped.
 const LEAST: f64 = 12.0;
 /// Of a long list of sizes every fourth is looked at first; those between two that are below exp(-16) of the likeliest at
@@ -108,7 +118,7 @@ struct Trend {
     /// Order of the differences of the last three errors, which no constant changes.
     of_differences: Option<f64>,
     /// Slope of the straight line, where the slopes go up and down about it as by noise.
-    scattered: Option<f64>,
+    scattered: Option<[f64; 2]>,
     /// The noise is told.
     told_noise: bool,
     /// The largest slope before the finest levels that a floor may hold.
@@ -484,14 +494,17 @@ impl Table {
     }
 
     /// Slope of the straight line through four and more levels whose slopes neither rise nor fall throughout, by a noise
-    /// that nobody told.
-    fn scattered(&self) -> Option<f64> {
+    /// that nobody told, and the deviation of logarithms of errors from it.
+    fn scattered(&self) -> Option<[f64; 2]> {
         let changes: Vec<f64> = self.slopes().windows(2).map(|pair| pair[1] - pair[0]).collect();
         let up = changes.iter().filter(|change| **change > 0.0).count();
         let products: f64 = self.x.iter().zip(&self.y).map(|(x, y)| x * y).sum();
         let squares: f64 = self.x.iter().map(|x| x * x).sum();
-        (!self.told_noise() && changes.len() > 1 && up > 0 && up < changes.len())
-            .then_some(products / squares)
+        let slope = products / squares;
+        let left: f64 = self.x.iter().zip(&self.y).map(|(x, y)| (y - slope * x).powi(2)).sum();
+        let scatter = (left / (self.x.len() as f64 - 2.0)).sqrt();
+        let turns = changes.len() > 1 && up > 0 && up < changes.len();
+        (!self.told_noise() && turns).then_some([slope, scatter])
     }
 
     /// The last slope is below the one before: a floor, not a reference.
@@ -558,7 +571,10 @@ impl Table {
         for (anchor, run) in anchors.iter().flat_map(|at| runs().map(move |run| (*at, run))) {
             let family = run[0].family;
             let needs_more = family.at_the_fine_end() || family == Family::Slow;
-            let skipped = needs_more && !fine_end
+            // Any two slopes that rise may be those of a reference.
+            let may_be_short = family.is_reference() && coarse + fine == 0;
+            let skipped = needs_more && !fine_end && !may_be_short
+                || family == Family::Scattered
                 // Of two slopes that noise has made equal nothing follows.
                 || run[0].straight() && !long
                 || family.is_reference() && self.against_reference
@@ -585,6 +601,73 @@ impl Table {
                 }
             }
         }
+        if fine == 0 && coarse <= COARSE_OF_SCATTER {
+            self.read_scattered(&kept, log_prior, parts);
+        }
+    }
+
+    /// Floors that scatter, beginning near any level but the coarsest.
+    fn read_scattered(&self, kept: &Kept, log_prior: f64, parts: &mut Vec<Part>) {
+        let (first, last) = (kept.levels.start, kept.levels.end - 1);
+        let sizes = &self.sizes[kept.levels.clone()];
+        let log_prior = log_prior - ((last - first) as f64).ln();
+        let unknown = if self.told_noise() { &[(1.0, 1.0)][..] } else { &BESIDE_SCATTER[..] };
+        for anchor in first + 1..=last {
+            if self.y[anchor] - self.y[last] > FALLEN {
+                continue;
+            }
+            let [fall, width] = [&self.y, &self.x].map(|of| of[first] - of[anchor]);
+            let orders = (fall - HIDDEN[0]) / width..=(fall + HIDDEN[1]) / width;
+            let serves = |run: &&[Node]| {
+                run[0].family == Family::Scattered && orders.contains(&run[0].power)
+            };
+            for run in runs().filter(serves) {
+                let powers = |h: &f64| run[0].powers(h / sizes[0], h / self.sizes[anchor]);
+                let powers: Vec<[f64; 3]> = sizes.iter().map(powers).collect();
+                for node in run {
+                    let terms: Vec<Terms> = powers.iter().map(|term| node.terms(*term)).collect();
+                    for (s, share) in unknown {
+                        let log_prior = log_prior + share.ln() + node.log_prior;
+                        self.look_scattered(node, &terms, kept, (*s, log_prior), parts);
+                    }
+                }
+            }
+        }
+    }
+
+    /// One node of a floor that scatters, beside noise s: every level has its own deviation.
+    fn look_scattered(
+        &self,
+        node: &Node,
+        terms: &[Terms],
+        kept: &Kept,
+        (s, log_prior): (f64, f64),
+        parts: &mut Vec<Part>,
+    ) {
+        let first = kept.levels.start;
+        let of =
+            |(i, term): (usize, &Terms)| (s * self.scales[first + i]).hypot(SCATTER * term.share);
+        let scales: Vec<f64> = terms.iter().enumerate().map(of).collect();
+        let row = |(i, term): (usize, &Terms)| Row {
+            x: self.x[first + i] + term.by_order,
+            y: self.y[first + i] - term.g + node.order()[0] * term.by_order,
+            nuisances: term.nuisances,
+            weight: 1.0 / (scales[i] * scales[i]),
+        };
+        let gram = Gram::of(terms.iter().enumerate().map(row));
+        let component = gram.component(&Base::new(&scales).noise(1.0, log_prior), node.order());
+        let weight = component.log_evidence;
+        if weight >= self.best.get() - LEAST {
+            self.best.set(self.best.get().max(weight));
+            parts.push(Part {
+                weight,
+                mean: component.mean,
+                deviation: component.deviation().hypot(CLOSEST),
+                floored: true,
+                outside: false,
+                coarse: kept.coarse,
+            });
+        }
     }
 
     /// Readings by one node, for each noise; the log weight at the noise of the first look.
@@ -596,7 +679,9 @@ impl Table {
         // A sign that changes beyond the finest level with no order left is a reference that is subtracted.
         let beyond =
             node.family == Family::Bend && 1.0 + node.size * terms[terms.len() - 1][0] <= 0.0;
-        let floored = node.family == Family::Floor || node.family.is_reference() || kept.fine > 0;
+        // Of three levels a reference is no more than a wider interval: it leaves no order that a failure would miss.
+        let unstated = node.family.is_reference() && kept.long;
+        let floored = node.family == Family::Floor || unstated || kept.fine > 0;
         let row = |(i, term): (usize, &[f64; 3])| {
             let found = node.terms(*term);
             let scale = self.scales[i];

@@ -7,6 +7,7 @@
 //! | bend | log abs(1 + D z^r) | a further term of the expansion, none, or one that outweighs the first on coarse meshes |
 //! | plateau | −log(1 + D z^r) | coarse meshes that do not resolve the solution yet |
 //! | floor | log(1 + D (h/h_a)^−p) | errors that end in an unstated floor, of the first term's size near the step h_a |
+//! | scattered | the same | a floor that is another one at every level, as a tolerance of a solver leaves it |
 //! | slow | log(1 + D (h/h_fine)^r), D > 1 | a slower power that is still small |
 //! | reference | log(1 − D (h/h_fine)^−p), or the same of squares | errors against a finer run |
 //!
@@ -25,6 +26,8 @@ pub(super) enum Family {
     Plateau,
     /// A constant that is added.
     Floor,
+    /// A constant that scatters from level to level.
+    Scattered,
     /// The error of a reference that is subtracted.
     Reference,
     /// The same of squares: where errors are orthogonal.
@@ -79,11 +82,14 @@ const FINE_NOISE: f64 = 0.02;
 const STRAIGHT_IN_NOISE: f64 = 12.0;
 const SLOW_NOISE: f64 = 0.002;
 const SLOW_IN_NOISE: f64 = 0.1;
+/// Where levels are enough to see it, a next term that changes the sign is so many times likelier than the tail of the prior.
+const CROSSING: f64 = 3.0;
 /// Powers by which a slower term may lag.
-const SLOW: [(f64, f64, f64); 2] = [(0.5, 0.025, 0.1), (1.0, 0.025, 0.2)];
+const SLOW: [(f64, f64, f64); 2] = [(0.5, 0.03, 0.1), (1.0, 0.03, 0.2)];
 const SLOW_RANGE: [f64; 2] = [2.0, 100.0];
 const SLOW_NODES: usize = 10;
 const FLOORS: f64 = 0.03;
+const SCATTERED: f64 = 0.03;
 const REFERENCES: f64 = 0.02;
 const ORDERS: [f64; 23] = [
     0.5, 0.75, 1.0, 1.25, 1.5, 1.75, 2.0, 2.25, 2.5, 2.75, 3.0, 3.25, 3.5, 3.75, 4.0, 4.5, 5.0,
@@ -99,6 +105,9 @@ const PLATEAU_CENTRE: f64 = 1.5;
 const PLATEAU_SPREAD: f64 = 1.8;
 const FLOOR_RANGE: [f64; 2] = [0.03, 10.0];
 const FLOOR_NODES: usize = 9;
+/// Stated at every level but the coarsest in turn: what lies between two is within this range.
+const SCATTERED_RANGE: [f64; 2] = [0.1, 10.0];
+const SCATTERED_NODES: usize = 5;
 /// A reference at the finest step itself has D = 1, at half of it 2^-p.
 const REFERENCE_RANGE: [f64; 2] = [0.02, 0.9];
 const REFERENCE_ORDERS: usize = 15;
@@ -139,6 +148,8 @@ static NODES: LazyLock<Vec<Node>> = LazyLock::new(|| {
         (t.exp(), t.exp(), (-0.5 * away * away).exp())
     });
     let floors = grid(FLOOR_RANGE.map(f64::ln), FLOOR_NODES, |t| (t.exp(), t.exp(), 1.0));
+    let scattered =
+        grid(SCATTERED_RANGE.map(f64::ln), SCATTERED_NODES, |t| (t.exp(), t.exp(), 1.0));
     let references =
         grid(REFERENCE_RANGE.map(f64::ln), REFERENCE_NODES, |t| (t.exp(), t.exp(), 1.0));
     let slow = grid(SLOW_RANGE.map(f64::ln), SLOW_NODES, |t| (t.exp(), t.exp(), 1.0));
@@ -159,6 +170,7 @@ static NODES: LazyLock<Vec<Node>> = LazyLock::new(|| {
         (Family::Bend, BENDS.to_vec(), bends),
         (Family::Plateau, PLATEAUS.to_vec(), plateaus),
         (Family::Floor, orders(&ORDERS, FLOORS), floors),
+        (Family::Scattered, orders(&ORDERS, SCATTERED), scattered),
         (Family::Slow, SLOW.to_vec(), slow),
         (Family::Reference, references_of.clone(), references.clone()),
         (Family::ReferenceSquares, references_of, references),
@@ -202,6 +214,8 @@ pub(super) struct Terms {
     pub(super) g: f64,
     pub(super) by_order: f64,
     pub(super) nuisances: [f64; NUISANCES],
+    /// What multiplies a relative change of D: of a floor its share of the error.
+    pub(super) share: f64,
 }
 
 impl Node {
@@ -209,7 +223,9 @@ impl Node {
     /// y = h over the step at which a floor is stated.
     pub(super) fn powers(&self, z: f64, y: f64) -> [f64; 3] {
         match self.family {
-            Family::Floor | Family::Reference => [y.powf(-self.power), AFTER_FLOOR * z, -y.ln()],
+            Family::Floor | Family::Scattered | Family::Reference => {
+                [y.powf(-self.power), AFTER_FLOOR * z, -y.ln()]
+            }
             Family::ReferenceSquares => [y.powf(-2.0 * self.power), AFTER_FLOOR * z, -2.0 * y.ln()],
             Family::Slow => [y.powf(self.power), AFTER_FLOOR * z, y.ln()],
             Family::Bend | Family::Plateau => {
@@ -223,7 +239,7 @@ impl Node {
     pub(super) fn terms(&self, [term, after, log]: [f64; 3]) -> Terms {
         // g = m log |1 + D t|: its derivative by D is m t / (1 + D t), that by r is D log z times it.
         let (multiple, size) = match self.family {
-            Family::Bend | Family::Slow | Family::Floor => (1.0, self.size),
+            Family::Bend | Family::Slow | Family::Floor | Family::Scattered => (1.0, self.size),
             Family::Plateau => (-1.0, self.size),
             Family::Reference => (1.0, -self.size),
             Family::ReferenceSquares => (0.5, -self.size * self.size),
@@ -247,6 +263,7 @@ impl Node {
             g: multiple * factor.abs().ln(),
             by_order,
             nuisances: [SMOOTHING * spacing * by_size, after, third],
+            share: by_size * size,
         }
     }
 
@@ -256,10 +273,12 @@ impl Node {
     }
 
     /// Its prior beside a noise that nobody told: where the noise is large, a next term is rarely needed, and a slow one is not seen.
+    /// Of four and more levels.
     pub(super) fn log_prior_at(&self, noise: f64) -> f64 {
         self.log_prior
             + match self.family {
                 Family::Slow if noise > SLOW_NOISE => SLOW_IN_NOISE.ln(),
+                Family::Bend if self.size < -1.0 => CROSSING.ln(),
                 _ if self.straight() && noise > FINE_NOISE => STRAIGHT_IN_NOISE.ln(),
                 _ => 0.0,
             }
@@ -290,8 +309,9 @@ mod tests {
         let sums = [
             (Family::Bend, 0.92 + 0.25),
             (Family::Plateau, 0.08),
-            (Family::Slow, 0.05),
+            (Family::Slow, 0.06),
             (Family::Floor, 0.03),
+            (Family::Scattered, 0.03),
             (Family::Reference, 0.02),
             (Family::ReferenceSquares, 0.02),
         ];
@@ -304,7 +324,7 @@ mod tests {
                 Family::Bend => (1.0 + node.size).abs().ln(),
                 Family::Slow => (1.0 + node.size / y).ln(),
                 Family::Plateau => -(1.0 + node.size).ln(),
-                Family::Floor => (1.0 + node.size * y).ln(),
+                Family::Floor | Family::Scattered => (1.0 + node.size * y).ln(),
                 Family::Reference => (1.0 - node.size * y).ln(),
                 Family::ReferenceSquares => 0.5 * (1.0 - (node.size * y).powi(2)).ln(),
             };
