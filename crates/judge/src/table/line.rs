@@ -37,6 +37,10 @@ impl Block {
 
     /// Cells `h = 0.1` of a column are numbers of h; an empty one below the first of several rows is as above.
     pub(super) fn tidied(mut self) -> Self {
+        // Blanks that kept columns in their places.
+        for name in &mut self.names {
+            *name = name.replace("`      ", "`");
+        }
         if self.names.is_empty() || self.rows.is_empty() {
             return self;
         }
