@@ -105,6 +105,12 @@ def cut(line, separator):
     return [cell.strip().strip('"').strip() for cell in (line.split() if separator is None else line.split(separator))]
 
 
+def parted(lines):
+    """Rows of LaTeX may stand in one line."""
+    pieces = [(line, [piece for piece in line.split("\\\\") if "&" in piece]) for line in lines]
+    return [row for line, rows in pieces for row in (rows if len(rows) > 1 else [line])]
+
+
 def is_rule(line):
     return re.fullmatch(r"[-+|=:_#*~. \t]*", line) or re.match(r"\s*\\(hline|toprule|midrule|bottomrule|begin|end)\b[^&]*$", line)
 
@@ -190,7 +196,7 @@ def second(text, asked):
             continue
         try:
             answer = {}
-            for names, rows in blocks(lines, separator):
+            for names, rows in blocks(parted(lines) if separator == "latex" else lines, separator):
                 if any(len(row) != len(names) for row in rows):
                     raise Unsure("rows of other widths")
                 known = kinds(names)

@@ -185,6 +185,8 @@ pub(super) enum Role {
     Unknown,
 }
 
+const LENGTH: Role = Role::Space(Measure::Length);
+
 /// A longer one is prose, or a line that is torn.
 const LONGEST_NAME: usize = 200;
 
@@ -268,8 +270,19 @@ pub(super) fn role(name: &str) -> Role {
     }
     // `h||` is what is left of a norm.
     let bars = name.contains("||") || name.contains('‖');
-    let bars = bars || name.matches('|').count() > 1 && name.contains('-');
+    let bars = bars || name.matches('|').count() > 1 && name.contains('-') || name.contains("Vert");
     if let Some(&role) = KNOWN.get(&*normalised).filter(|_| !bars) {
+        // `resolution (m)` counts nothing.
+        let unit =
+            name.split_once(['[', '(']).map_or("", |(_, unit)| unit.trim_end_matches([']', ')']));
+        let length = ["m", "km", "cm", "mm"].contains(&unit.trim());
+        return if length && role == Role::Space(Measure::Number) { LENGTH } else { role };
+    }
+    // `h = 1/N`.
+    if let Some((front, _)) = name.split_once('=')
+        && let Some(&role) = KNOWN.get(&*normal(front))
+        && matches!(role, Role::Space(_) | Role::Time(_))
+    {
         return role;
     }
     let lower = name.to_lowercase().replace('∞', "inf");

@@ -6,7 +6,7 @@ use super::cell::{
     Comma, Measure, Number, Role, is_missing, is_norm, is_rate, likeness, named, normal, number,
     role, sides,
 };
-use super::line::{Block, Cells};
+use super::line::{Block, Cells, is_computed};
 use super::{Quantity, TableError};
 use crate::fit::is_step;
 use files::counted;
@@ -228,6 +228,13 @@ impl<'a> Reader<'a> {
                 *role = if any { Role::Parameter } else { Role::Ignored };
             }
         }
+        // What is computed from errors is a rate, whatever its name.
+        for at in 1..roles.len() {
+            let computed = |from| roles[from] == Role::Wide && is_computed(&block.rows, at, from);
+            if roles[at] == Role::Wide && (0..at).any(computed) {
+                roles[at] = Role::Ignored;
+            }
+        }
         // Sizes that are printed again before each error are read once.
         for at in 1..roles.len() {
             let same = |before: usize| {
@@ -333,10 +340,14 @@ impl<'a> Reader<'a> {
                 (_, Some(name)) => format!(
                     "`{name}` comes several times between two sizes: which of them is the error of the level?"
                 ),
-                (Some(first), _) => format!(
-                    "no column of errors among {}: --p {first}=2 makes `{first}` one",
-                    listed(&columns)
-                ),
+                (Some(first), _) => {
+                    let falls = columns[1..].iter().find(|name| self.falls(name));
+                    let first = falls.unwrap_or(first);
+                    format!(
+                        "no column of errors among {}: --p {first}=2 makes `{first}` one",
+                        listed(&columns)
+                    )
+                }
                 _ => "no column of errors: call one `error`, or by its norm, `L2`, or `value` if none is known".into(),
             });
         }
@@ -355,8 +366,13 @@ impl<'a> Reader<'a> {
             let entries = self.column(at, false)?;
             // An error that changes its sign among others is broken, as a lone minus is.
             let mut signs = entries.iter().flatten();
-            let negative =
-                signs.clone().any(|error| *error < 0.0) && !signs.any(|error| *error > 0.0);
+            let (below, above) =
+                (signs.clone().any(|error| *error < 0.0), signs.any(|error| *error > 0.0));
+            let negative = below && !above;
+            if below && above && !own && quantity == Quantity::Error {
+                let name = self.name(at);
+                self.notes.push(format!("`{name}` has both signs: what is negative is no error"));
+            }
             let signed = negative && !own && quantity == Quantity::Error;
             if signed {
                 self.notes.push(format!("`{}` is negative and read by magnitude", self.name(at)));
@@ -365,6 +381,14 @@ impl<'a> Reader<'a> {
             measured.push(Measured { norm, entries, signed });
         }
         Ok((measured, quantity))
+    }
+
+    /// Whether the numbers of a column fall from row to row.
+    fn falls(&self, name: &str) -> bool {
+        let at = self.block.names.iter().position(|other| other == name);
+        let entries = at.and_then(|at| self.column(at, false).ok());
+        let entries: Option<Vec<f64>> = entries.and_then(|entries| entries.into_iter().collect());
+        entries.is_some_and(|e| e.windows(2).all(|pair| pair[1].abs() < pair[0].abs()))
     }
 
     /// Refuses a column that stands twice: which of them is read?

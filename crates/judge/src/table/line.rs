@@ -37,6 +37,10 @@ impl Block {
 
     /// Cells `h = 0.1` of a column are numbers of h; an empty one below the first of several rows is as above.
     pub(super) fn tidied(mut self) -> Self {
+        // Blanks that kept columns in their places.
+        for name in &mut self.names {
+            *name = name.replace("`      ", "`");
+        }
         if self.names.is_empty() || self.rows.is_empty() {
             return self;
         }
@@ -71,6 +75,35 @@ impl Block {
             }
         }
         self
+    }
+
+    /// Tables that stand side by side, each with sizes of its own, as blocks; titles may stand so too.
+    pub(super) fn parted(self) -> Vec<Self> {
+        let width = self.names.len();
+        let sizes: Vec<usize> = (0..width).filter(|&at| self.names[at] == self.names[0]).collect();
+        let alike = |one: &usize| sizes.iter().copied().eq((0..width).step_by(*one));
+        let one = sizes.get(1).copied().filter(alike).filter(|one| width.is_multiple_of(*one));
+        let whole = || self.rows.iter().all(|row| row.cells.len() == width);
+        // Sizes that are printed again before each error are those of one table.
+        let own =
+            || self.rows.iter().any(|row| sizes.iter().any(|&at| row.cells[at] != row.cells[0]));
+        let Some(one) = one.filter(|one| *one > 1 && is_size(&self.names[0]) && whole() && own())
+        else {
+            return vec![self];
+        };
+        let titles: Vec<&str> = self.title.split(BARS).map(str::trim).collect();
+        let table = |at: usize| {
+            let cells = |row: &Cells| row.cells[at * one..(at + 1) * one].to_vec();
+            let row = |row: &Cells| Cells { line: row.line, cells: cells(row) };
+            let own = titles.len() == width / one;
+            Self {
+                title: if own { titles[at].to_owned() } else { self.title.clone() },
+                names: self.names[at * one..(at + 1) * one].to_vec(),
+                rows: self.rows.iter().map(row).collect(),
+                ..self.clone()
+            }
+        };
+        (0..width / one).map(table).collect()
     }
 
     /// Columns of equal length with their names.
@@ -269,7 +302,11 @@ fn typed(line: &str) -> String {
     for times in ["\\times", "\\cdot", "· 10", "·10"] {
         out = out.replace(times, if times.ends_with('0') { "×10" } else { "×" });
     }
-    out = out.replace(":math:", "");
+    // What stands behind keeps its place.
+    while let Some((before, inside)) = out.split_once(":math:") {
+        let (inside, behind) = inside.split_at(inside.find("` ").map_or(inside.len(), |at| at + 1));
+        out = [before, inside, if behind.is_empty() { "" } else { "      " }, behind].concat();
+    }
     for times in ["×", " x ", " * 10^"] {
         let joined = times.trim();
         for (a, b) in [(" ", " "), (" ", ""), ("", " ")] {
@@ -307,6 +344,10 @@ fn cut(text: &str, separator: Separator) -> Vec<String> {
     match separator {
         Separator::Latex => {
             let row = text.split("\\\\").next().unwrap_or_default().replace("\\hline", "");
+            // The environment may begin and end in the lines of its rows.
+            let begun = row.split_once("\\begin{").and_then(|(_, begun)| begun.split_once("} "));
+            let row = begun.map_or(row.as_str(), |(_, row)| row);
+            let row = row.split("\\end{").next().unwrap_or_default();
             let cells = row.split('&').flat_map(spanned);
             cells.map(|cell| owned(&cell.replace(['$', '~'], ""))).collect()
         }
@@ -368,7 +409,16 @@ fn spanned(cell: &str) -> impl Iterator<Item = String> {
 
 pub(super) fn classify(text: &str, separator: Separator) -> Vec<Line<'_>> {
     let mut lines = Vec::new();
-    for (at, text) in (1..).zip(text.lines()) {
+    // Rows of LaTeX may stand in one line.
+    let parts = |text| match separator {
+        Separator::Latex => str::split(text, "\\\\").filter(|part| part.contains('&')).count(),
+        _ => 0,
+    };
+    let several = |(at, text): (u64, _)| {
+        let pieces = if parts(text) > 1 { "\\\\" } else { "\n" };
+        str::split(text, pieces).map(move |text| (at, text))
+    };
+    for (at, text) in (1..).zip(text.lines()).flat_map(several) {
         let empty = text.trim().trim_matches(BARS).is_empty();
         if empty || is_rule(text) {
             lines.push(Line { number: at, text, cells: Vec::new(), kind: Kind::Gap });
@@ -400,4 +450,24 @@ pub(super) fn numbers(cells: &[String]) -> usize {
 
 pub(super) fn is_word(cell: &str) -> bool {
     !is_missing(cell) && number(cell).is_none()
+}
+
+/// How far a printed rate may be from that of the printed errors.
+const RATES_DIFFER: f64 = 0.02;
+
+/// Whether a column, empty in the first row, is the ratio of two rows of another, or its binary logarithm.
+pub(super) fn is_computed(rows: &[Cells], at: usize, from: usize) -> bool {
+    let cell = |row: &Cells, at: usize| number(row.cells.get(at)?).map(|number| number.value);
+    let lacks = rows[0].cells.get(at).is_none_or(|cell| is_missing(cell));
+    let near = |a: f64, b: f64| (a / b - 1.0).abs() < RATES_DIFFER;
+    let is = |of: fn(f64) -> f64| {
+        let computed = |pair: &[Cells]| {
+            let [before, error, rate] =
+                [(&pair[0], from), (&pair[1], from), (&pair[1], at)].map(|(row, at)| cell(row, at));
+            let ratio = before.zip(error).map(|(before, error)| before / error);
+            ratio.zip(rate).is_some_and(|(ratio, rate)| near(of(ratio), rate))
+        };
+        rows.windows(2).all(computed)
+    };
+    lacks && rows.len() > 2 && (is(|ratio| ratio) || is(f64::log2))
 }

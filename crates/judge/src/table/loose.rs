@@ -185,8 +185,9 @@ fn records_of(lines: &[(u64, &str)], begins: Records) -> Option<Block> {
 
 /// A list of sizes may be called `hs`.
 fn singular(name: &str) -> String {
-    let single = name.strip_suffix('s').filter(|single| !is_size(name) && is_size(single));
-    single.unwrap_or(name).to_owned()
+    let ends = ["s", "_values", "_vals", "_list", "values", "vals", "list"];
+    let mut single = ends.iter().filter_map(|end| name.strip_suffix(end));
+    single.find(|single| !is_size(name) && is_size(single)).unwrap_or(name).to_owned()
 }
 
 /// `h = [0.5, 0.25]` and the like, as Python, Julia and MATLAB write lists: columns of equal length.
@@ -201,6 +202,11 @@ pub(super) fn arrays(text: &str) -> Vec<Block> {
             continue;
         }
         let start = text[..open].rfind(['\n', ',', '{', ']', ';']).map_or(0, |at| at + 1);
+        // What is said behind code is a remark.
+        let line = text[..open].rfind('\n').map_or(0, |at| at + 1);
+        if text[line..open].trim_start().find(['%', '#']).is_some_and(|at| at > 0) {
+            continue;
+        }
         let Some((name, _)) = text[start..open].rsplit_once(['=', ':']) else { continue };
         let name = name.trim_matches(|c: char| c.is_whitespace() || "\"':".contains(c));
         if is_rate(name) {
@@ -270,7 +276,7 @@ pub(super) fn ruled(text: &str) -> Vec<Block> {
             let cell = |&(start, end): &(usize, usize)| {
                 let length = end.min(line.len()).saturating_sub(start);
                 let cell: String = line.iter().skip(start).take(length).collect();
-                cell.trim().to_owned()
+                cell.split_whitespace().collect::<Vec<_>>().join(" ")
             };
             (parted && !line.is_empty()).then(|| columns.iter().map(cell).collect())
         };
@@ -281,9 +287,10 @@ pub(super) fn ruled(text: &str) -> Vec<Block> {
             Some(Cells { line: at as u64 + 1, cells })
         };
         let rows: Vec<Cells> = below.map_while(row).collect();
-        // Where no cell is empty, blanks part them.
+        // Where no cell is empty and no name has two words, blanks part them.
         let empty = |row: &Cells| row.cells.iter().any(String::is_empty);
-        if rows.iter().any(empty) {
+        let spaced = names.iter().any(|name| name.contains(' ')) && !names.contains(&String::new());
+        if rows.iter().any(empty) || spaced && rows.len() > 1 {
             let above = lines[..at - 1].iter().rev().find(|line| !line.is_empty());
             let title = above.map_or(String::new(), |line| line.iter().collect());
             found.push(Block { title, ..Block::of_rows(at as u64, names, rows) });

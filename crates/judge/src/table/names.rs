@@ -1,7 +1,8 @@
 //! The names of the columns of a block, from the lines above its rows.
 
 use super::cell::{Role, is_missing, is_norm, is_rate, is_size, normal, number, role};
-use super::line::{Block, Cells, Kind, Line, Separator, is_word};
+use super::line::{Block, Cells, Kind, Line, Separator, is_computed, is_word};
+use super::text::is_title;
 
 /// The block below `above`, with the names that stand there; no names if there are none that fit.
 pub(super) fn head(
@@ -11,9 +12,19 @@ pub(super) fn head(
     mut rows: Vec<Cells>,
     mut left_out: Vec<u64>,
 ) -> Block {
-    let (texts, types) = nearest(above);
+    let (mut texts, types) = nearest(above);
     left_out.extend(types);
     let words = |line: &Line| line.names(separator, width);
+    // A title may stand between the names and the rows.
+    if let [title, names, ..] = texts[..]
+        && is_title(title)
+        && title.cells.len() < width
+        && names.cells.len() == width
+        && names.cells.iter().any(|name| is_size(name))
+        && names.cells.iter().any(|name| is_norm(name))
+    {
+        texts.swap(0, 1);
+    }
     // Names of several words stand two blanks apart.
     let groups = |line: &Line| -> Vec<String> {
         let bare = line.bare().replace('\t', "  ");
@@ -107,6 +118,11 @@ fn fill_rates(rows: &mut [Cells], names: &[String], last: usize) {
     let rates: Vec<usize> = (0..width).filter(|&at| is_rate(&names[at])).collect();
     let rest = |from: usize, unread: fn(&String) -> bool| names[from..].iter().all(unread);
     let first = rows.iter().position(|row| row.cells.len() == width).unwrap_or(0);
+    // So has a column computed from another one, whatever its name.
+    let front = rows[0].cells.len();
+    if front + 1 == width && (1..front).any(|from| is_computed(rows, front, from)) {
+        rows[0].cells.push(String::new());
+    }
     for (at, row) in rows.iter_mut().enumerate().filter(|(_, row)| row.cells.len() < width) {
         let there = row.cells.len();
         let rates_lack = there + rates.len() == width;

@@ -1,6 +1,6 @@
 //! Finds the tables of a text: lines are classified, rows that agree make a block, the line above names its columns.
 
-use super::cell::{Role, is_norm, is_size, number, role};
+use super::cell::{Role, is_norm, is_rate, is_size, number, role};
 use super::line::{
     Block, Cells, Kind, Line, Separator, classify, is_word, numbers, plain, uncommented,
 };
@@ -36,7 +36,9 @@ pub(super) fn readings(text: &str) -> impl Iterator<Item = Vec<Block>> {
     });
     let texts = std::iter::once(text).chain(bare.flatten());
     texts.flat_map(|text| {
-        WAYS.iter().map(move |way| way(&text).into_iter().map(Block::tidied).collect())
+        WAYS.iter().map(move |way| {
+            way(&text).into_iter().map(Block::tidied).flat_map(Block::parted).collect()
+        })
     })
 }
 
@@ -80,6 +82,13 @@ fn blocks(text: &str, separator: Separator) -> Vec<Block> {
                 {
                     left_out.push(line.number)
                 }
+                // `1  exact  0.5` below the levels of problem 1.
+                Kind::Row
+                    if line.cells.len() < width
+                        && line.cells.iter().any(|cell| is_word(cell) && is_summary(cell)) =>
+                {
+                    left_out.push(line.number);
+                }
                 // Where cells are parted by a character, a row is one after a blank line too.
                 Kind::Row if same && (alike || separator != Separator::Blanks) => {
                     rows.push(at);
@@ -108,29 +117,11 @@ fn blocks(text: &str, separator: Separator) -> Vec<Block> {
             }
             at += 1;
         }
-        // `exact` and `Richardson` before or behind the levels.
-        let worded = |&at: &usize| {
-            let first = lines[at].cells.first();
-            first.is_some_and(|cell| {
-                is_word(cell) && cell.chars().take(3).filter(|c| c.is_alphabetic()).count() > 2
-            })
-        };
-        let sizes = |&at: &usize| {
-            let first = lines[at].cells.first();
-            first.is_some_and(|cell| cell.starts_with(|c: char| c.is_ascii_digit()))
-        };
-        if rows.iter().filter(|at| sizes(at)).count() > 1 {
-            for last in [rows[0], rows[rows.len() - 1]] {
-                let others = rows.iter().all(|at| *at == last || sizes(at));
-                if worded(&last) && others {
-                    left_out.push(lines[last].number);
-                    rows.retain(|at| *at != last);
-                }
-            }
-        }
+        trim(&lines, &mut rows, &mut left_out);
         let cells = |&at: &usize| Cells { line: lines[at].number, cells: lines[at].cells.clone() };
         let rows = rows.iter().map(cells).collect();
         let block = head(&lines[..first], separator, width, rows, left_out);
+        let block = titled(block, found.last(), &lines[..first], width);
         // One column alone is one of errors, or a list of something else.
         let one = |name: &String| is_norm(name) && !name.contains([',', ';', '|', '&', '=']);
         if width > 1 || block.names.first().is_some_and(one) {
@@ -144,6 +135,59 @@ fn blocks(text: &str, separator: Separator) -> Vec<Block> {
         joined.push(Block { rows, end: same[same.len() - 1].end, ..same[0].clone() });
     }
     joined
+}
+
+/// Leaves `exact` and `Richardson` out, before or behind the levels.
+fn trim(lines: &[Line], rows: &mut Vec<usize>, left_out: &mut Vec<u64>) {
+    let worded = |&at: &usize| {
+        let first = lines[at].cells.first();
+        first.is_some_and(|cell| {
+            is_word(cell)
+                && cell.starts_with(char::is_alphabetic)
+                && cell.chars().filter(|c| c.is_alphabetic()).count() > 2
+        })
+    };
+    let sizes = |&at: &usize| {
+        let first = lines[at].cells.first();
+        first.is_some_and(|cell| cell.starts_with(|c: char| c.is_ascii_digit()))
+    };
+    if rows.iter().filter(|at| sizes(at)).count() > 1 {
+        let ends = |rows: &[usize]| rows.iter().take_while(|at| worded(at)).count();
+        let front = ends(rows);
+        let behind = ends(&rows.iter().rev().copied().collect::<Vec<_>>());
+        let levels = front..rows.len() - behind;
+        if rows[levels.clone()].iter().all(sizes) {
+            left_out.extend(
+                rows.iter()
+                    .map(|&at| lines[at].number)
+                    .enumerate()
+                    .filter_map(|(at, line)| (!levels.contains(&at)).then_some(line)),
+            );
+            *rows = rows[levels].to_vec();
+        }
+    }
+}
+
+/// The block with the names of the one before, if a title alone stands between them.
+fn titled(block: Block, before: Option<&Block>, above: &[Line], width: usize) -> Block {
+    let named = |before: &&Block| before.names.len() == width && is_table(before);
+    let Some(before) = before.filter(named).filter(|_| block.names.len() != width) else {
+        return block;
+    };
+    let between = above.iter().rev().take_while(|line| line.number > before.end);
+    let mut between = between.filter(|line| line.kind != Kind::Gap);
+    match (between.next(), between.next()) {
+        (Some(title), None) if is_title(title) => {
+            Block { title: title.bare().to_owned(), names: before.names.clone(), ..block }
+        }
+        _ => block,
+    }
+}
+
+/// Whether a line names none of the columns.
+pub(super) fn is_title(line: &Line) -> bool {
+    let column = |cell: &String| is_size(cell) || is_norm(cell) || is_rate(cell);
+    line.kind == Kind::Text && !line.cells.iter().any(column)
 }
 
 fn goes_on(lines: &[Line], at: usize, width: usize) -> bool {
