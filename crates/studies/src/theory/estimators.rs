@@ -17,7 +17,7 @@ use judge::{Order, OrderError};
 use report::{Axis, Chapter, Chart, Findings, Part, Scale, Series};
 use run::sweep::admit_constants;
 use scene::setup::{MeshData, Setup};
-use scene::{Direction, Norm, Scene};
+use scene::{Direction, Norm, Prediction, Scene};
 use serde_json::{Value, json};
 
 /// Largest n taken from a scene's list, and most steps.
@@ -92,14 +92,18 @@ impl Ladder {
             "choose a scene with [exact]",
         )?;
         let (mut ns, mut steps) = asked.grid(scene, FINEST)?;
-        let of_v =
-            |along| move |p: &&scene::Prediction| p.norm == Norm::VMax && p.variable == along;
-        let in_h = scene.predicts.iter().any(|p| of_v(Direction::H)(&p));
+        let of_v_in_h = |p: &Prediction| p.norm == Norm::VMax && p.variable == Direction::H;
+        let in_h = scene.predicts.iter().any(of_v_in_h);
         let along = if in_h { Direction::H } else { Direction::K };
-        let static_ = setup.model.memory.is_empty() && setup.kappa.lipschitz == 0.0;
+        let alone = setup.model.memory.is_empty() && setup.kappa.lipschitz == 0.0;
+        // In k any mesh with companions will do.
+        let coarsest = ns.first().map(|n| n.next_multiple_of(SPAN));
         ns.retain(|n| n.is_multiple_of(SPAN) || setup.body.data.is_interpolated());
+        if ns.is_empty() && along == Direction::K && asked.n.is_none() {
+            ns.extend(coarsest);
+        }
         steps.retain(|&n| {
-            static_ || n.is_multiple_of(SPAN) && (asked.steps.is_some() || n <= MOST_STEPS)
+            alone || n.is_multiple_of(SPAN) && (asked.steps.is_some() || n <= MOST_STEPS)
         });
         for list in [&mut ns, &mut steps] {
             list.sort_unstable();
@@ -167,6 +171,8 @@ pub fn estimators(
     for run in &runs {
         let mut row = json!({
             "n": run.place.n, "steps": run.place.steps, "step": run.step, "error": run.error,
+            "estimate": null, "estimate_over_error": null, "no_estimate": null,
+            "energy_error": null, "bound": null, "bound_over_error": null, "no_bound": null,
         });
         match &run.estimate {
             Ok((value, interval)) => {
@@ -214,6 +220,14 @@ pub fn estimators(
             .filter(|(_, ladder)| !ladder.is_empty())
             .map(|(statement, quotients)| does_not_grow(statement, name, quotients)),
     );
+    if claims.is_empty() {
+        let why = runs.first().and_then(|run| run.estimate.as_ref().err().cloned());
+        return Err(StudyError::other(format!(
+            "neither estimator says anything of `{}`: {}",
+            setup.scene.name,
+            why.unwrap_or_default()
+        )));
+    }
     Ok(found(setup, name, claims, rows, [("estimate", estimates), ("bound", bounds)]))
 }
 
