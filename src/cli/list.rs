@@ -127,6 +127,7 @@ pub(crate) fn terms(scene: &Scene) -> Vec<&'static str> {
                 (contact.is_some_and(|c| c.law.is_some()), "compliance"),
                 (contact.is_some_and(|c| c.gap.is_some()), "gap"),
                 (contact.is_some_and(|c| c.shift.is_some()), "shift"),
+                (body.domain.bilateral, "bilateral contact"),
                 (contact.is_some_and(|c| c.friction.is_some()), "friction"),
             ]
         }
@@ -160,8 +161,12 @@ fn predictions(scene: &Scene) -> Vec<String> {
             scene::Direction::Joint => "h and k",
             scene::Direction::Path => "h on the path",
         };
-        let least = if p.at_least { "at least " } else { "" };
-        format!("{} in {variable}: order {least}{}, by {}", p.norm.name(), p.order, p.why)
+        let says = match p.at_least {
+            true if p.order == 0.0 => "tends to zero".to_owned(),
+            true => format!("order at least {}", p.order),
+            false => format!("order {}", p.order),
+        };
+        format!("{} in {variable}: {says}, by {}", p.norm.name(), p.why)
     };
     scene.predicts.iter().map(line).collect()
 }

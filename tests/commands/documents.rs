@@ -296,6 +296,23 @@ fn the_pages_stay_short() {
     assert!(all <= LONGEST, "{all} words: {counts:?}");
 }
 
+/// Each page of a further estimate.
+const OF_ESTIMATE: usize = 500;
+
+#[test]
+fn pages_of_estimates_are_short_and_in_the_book() {
+    let (book, folder) = (read("docs/SUMMARY.md"), root().join("docs/estimates"));
+    for entry in std::fs::read_dir(folder).expect("docs/estimates") {
+        let name = entry.expect("an entry").file_name().into_string().expect("UTF-8");
+        let (page, text) =
+            (format!("docs/estimates/{name}"), read(&format!("docs/estimates/{name}")));
+        assert!(words(&text) <= OF_ESTIMATE, "{page}: {} words", words(&text));
+        assert!(!names_no_reader(&text), "{page} names no reader");
+        assert!(book.contains(&format!("(estimates/{name})")), "{page} is not in docs/SUMMARY.md");
+        assert_eq!(broken(&page, &text), Vec::<String>::new());
+    }
+}
+
 /// A page without the tables that tests write (tests/sabotage/protocol.rs).
 fn by_hand(page: &str) -> String {
     ["| mistake |", "| penalty |"].iter().fold(page.to_owned(), |page, head| {

@@ -50,6 +50,7 @@ const RUNS: &[(&str, &[&str])] = &[
     ("bound", &["bound memory-minus-identity --n 4 --steps 4"]),
     ("gronwall", &["gronwall affine --steps 8,16", "gronwall abstract-smooth --steps 8,16"]),
     ("audit", &["audit compliance --n 4 --steps 2"]),
+    ("estimators", &["estimators law-linear --n 8,16,32", "estimators friction-jump --n 8,16,32"]),
     ("trade", &["trade compliance --n 4,8,16 --steps 2,4,8 --target 0.03 --confirm"]),
     ("diagnose", &["diagnose affine --always"]),
     ("extremes", &["extremes one-vertex"]),
@@ -72,7 +73,7 @@ const SHARED: [(&str, &str); 10] = [
 const TOP: [(&[&str], &[&str], &str); 2] = [
     (&["verify"], &["failures", "provenance", "verdicts"], "run, gate, merge"),
     (
-        &["bound", "gronwall", "audit", "trade", "diagnose", "extremes"],
+        &["bound", "gronwall", "audit", "estimators", "trade", "diagnose", "extremes"],
         &["claims", "fingerprint", "holds", "scene"],
         "A study",
     ),

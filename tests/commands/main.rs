@@ -11,6 +11,7 @@ mod cli;
 mod diagnose_command;
 mod documents;
 mod equations;
+mod estimators_command;
 mod external;
 mod fit_tables;
 mod gronwall_command;

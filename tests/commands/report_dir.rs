@@ -326,6 +326,7 @@ fn studies_of_the_directory_are_chapters() {
         &["bound", "affine", "--n", "4", "--steps", "2"][..],
         &["gronwall", "affine", "--steps", "8,16"],
         &["audit", "compliance", "--n", "4,8", "--steps", "2"],
+        &["estimators", "law-linear", "--n", "8,16,32"],
         &["trade", "compliance", "--n", "4,8,16", "--steps", "4,8,16"],
         &["extremes", "one-vertex"],
     ] {

@@ -25,6 +25,8 @@ class Case:
     remembered = (0.25, 0.25)
     projected = 0.0
     gap = math.inf
+    # u_nu = 0 in place of a law and a gap.
+    bilateral = False
     # Of the law of the normal pressure.
     steepest = 2.0
 
@@ -67,6 +69,24 @@ class Falling(Case):
 
     def bound(self, p, t, pressure, slip):
         return np.interp(slip, [0.0, 0.1], [0.06, 0.04])
+
+
+class Bilateral(Case):
+    """Nothing depends on the past, u_nu = 0 on the bottom, and the bound falls with the slip as fast as (2.9) allows."""
+
+    dimension, n, steps = 2, 8, 1
+    remembered = (0.0, 0.0)
+    bilateral = True
+
+    def pressure(self, u):
+        return 0.0 * u
+
+    def body(self, p, t):
+        x, y = p
+        return [0.5 * (x - 0.2) + 0.1 * y, 0.6 * (0.5 - x) - 0.2 * y]
+
+    def bound(self, p, t, pressure, slip):
+        return np.interp(slip, [0.0, 0.1], [0.08, 0.03])
 
 
 class Box(Case):
@@ -129,6 +149,7 @@ class BoxTime(Case):
 CASES = {
     "coulomb": Coulomb(),
     "falling": Falling(),
+    "bilateral": Bilateral(),
     "box": Box(),
     "box-coulomb": BoxCoulomb(),
     "box-falling": BoxFalling(),
@@ -236,7 +257,8 @@ class Side:
                 spring = self.compliance[q, q]
                 law = case.pressure(u)
                 pushed = f[q] + (u - case.gap) / spring
-                f[q] = max(f[q] + (law - f[q]) / (1 + spring * case.steepest), pushed)
+                followed = f[q] + (law - f[q]) / (1 + spring * case.steepest)
+                f[q] = f[q] + u / spring if case.bilateral else max(followed, pushed)
                 u = unloaded[s] - self.compliance[s] @ f
                 spring = np.max(np.abs(np.diag(self.compliance)[s]))
                 bound = case.bound(self.mesh.places[vertex], t, law, np.linalg.norm(u))
@@ -257,8 +279,11 @@ class Side:
             length = np.linalg.norm(slip)
             bound = self.case.bound(self.mesh.places[vertex], t, law, length)
             locked = normal > self.case.gap - slack
-            assert normal <= self.case.gap + slack and q >= law - slack
-            assert locked or abs(q - law) <= slack
+            if self.case.bilateral:
+                assert abs(normal) <= slack
+            else:
+                assert normal <= self.case.gap + slack and q >= law - slack
+                assert locked or abs(q - law) <= slack
             assert np.linalg.norm(s) <= bound + slack
             assert abs(np.dot(s, slip) - bound * length) <= slack
             self.counts[0] += length < 1e-12

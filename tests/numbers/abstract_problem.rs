@@ -227,7 +227,7 @@ fn what_is_no_solution_is_refused_with_its_place() {
         ("matrix = [[2.0]]", "matrix = [[2.0, 1.0]]", "2 entries, but 1 are expected"),
         ("functional = [1.0]", "functional = [0.0]", "zero"),
         ("functional = [1.0]", "functional = [1.0]\nupper = 0.2", "leaves"),
-        ("functional = [1.0]", "functional = [1.0]\nupper = 0.2\nlower = 0.3", "lower < upper"),
+        ("functional = [1.0]", "functional = [1.0]\nupper = 0.2\nlower = 0.3", "lower <= upper"),
         ("-0.5*exp(-(t - s))", "-0.5/(t - s)^2", "singular = a"),
         ("-0.5*exp(-(t - s))", "-0.5*sqrt(0.7 - t + s)", "q(t, s) has no bound near"),
         ("u = [\"max(0, t - 0.5)\"]", "u = [\"x\"]", "not allowed"),

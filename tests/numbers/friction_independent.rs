@@ -13,7 +13,8 @@ use scene::setup::Setup;
 use serde_json::Value;
 use vhi::law::PiecewiseLinear;
 
-const CASES: [&str; 6] = ["coulomb", "falling", "box", "box-coulomb", "box-falling", "box-time"];
+const CASES: [&str; 7] =
+    ["coulomb", "falling", "bilateral", "box", "box-coulomb", "box-falling", "box-time"];
 
 fn independent(name: &str) -> Setup {
     let path = format!("{}/tests/independent/friction-{name}.toml", env!("CARGO_MANIFEST_DIR"));
@@ -94,7 +95,7 @@ fn another_program_finds_the_same() {
 /// The fixture has what it is to decide on: vertices that stick and that slip, in all directions in space.
 #[test]
 fn vertices_stick_and_slip() {
-    for name in ["coulomb", "falling", "box", "box-coulomb", "box-falling"] {
+    for name in ["coulomb", "falling", "bilateral", "box", "box-coulomb", "box-falling"] {
         let case = &fixture("friction")[name];
         let d = independent(name).scene.dimension;
         let moved = |row: &(Vec<f64>, Vec<f64>)| {
@@ -143,6 +144,7 @@ fn wrong_friction_is_not_what_another_program_finds() {
     let of_one = [
         ("coulomb", changed("coulomb", given)),
         ("falling", changed("falling", constant(0.06))),
+        ("bilateral", changed("bilateral", constant(0.08))),
         ("box-coulomb", changed("box-coulomb", given)),
         ("box-falling", changed("box-falling", constant(0.1))),
         ("box", changed("box", late)),

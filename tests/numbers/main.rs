@@ -16,6 +16,7 @@ mod coverage;
 mod diagnose;
 mod differences;
 mod estimate;
+mod estimators;
 mod exact_boxes;
 mod extremes;
 mod fixtures_affine;
@@ -48,6 +49,7 @@ mod separate_evaluation;
 #[path = "../shipped/mod.rs"]
 mod shipped;
 mod singular;
+mod static_friction;
 mod step_size;
 mod symmetry;
 mod tangent;

@@ -138,6 +138,19 @@ fn six_defects_are_caught() {
     );
 }
 
+/// A condition that is lost or too much, and a law with a slope of the other sign.
+#[test]
+fn defects_of_static_friction_are_caught() {
+    are_caught(
+        &["static-bilateral"],
+        &[
+            ("bilateral contact opens", Gate::Complete),
+            ("bilateral contact holds the whole displacement", Gate::Orders),
+            ("friction bound rises with the slip where it falls", Gate::Orders),
+        ],
+    );
+}
+
 /// A judge that forgets, forgives or confuses, and records that are a little wrong: on two cheap scenes, without the baseline.
 #[test]
 fn defects_of_judge_and_records_are_caught_without_the_baseline() {

@@ -98,7 +98,7 @@ const FRONT_IN_SPACE: &[(&str, &str)] = &[(
 /// The error in time on the coarsest mesh.
 const COARSE_IN_TIME: &[(&str, &str)] = &[("window_n = [16, 16]", "window_n = [4, 4]")];
 
-const ROWS: [Row; 40] = [
+const ROWS: [Row; 41] = [
     ("affine", &[], &[2], &[4, 8, 16, 32, 64]),
     ("affine", UNEVEN, &[2], &[4, 8, 16, 32, 64]),
     ("affine", BEYOND, &[2], &[4, 8, 16, 32, 64]),
@@ -131,6 +131,7 @@ const ROWS: [Row; 40] = [
     ("friction-box-falling-time", &[], &[2], &[6, 12, 24, 48, 96]),
     ("friction-box-coulomb-time", &[], &[2], &[6, 12, 24, 48, 96]),
     ("friction-coulomb", COARSE_IN_TIME, &[4, 8, 16], &[8, 16, 32]),
+    ("static-bilateral", &[], &[8, 16, 32], &[1]),
     ("quadratic-elastic", &[], &[4, 8, 16], &[4]),
     ("quadratic-compliance", &[], &[4, 8, 16], &[16]),
     ("left-rule", &[], &[2], &[32, 64, 128]),

@@ -48,6 +48,8 @@ pub struct LawNumbers {
 /// Contact data as formulas.
 #[derive(Debug, Clone, Default)]
 pub struct ContactFormulas {
+    /// u_ν = 0, in place of a gap and a law.
+    pub bilateral: bool,
     /// g(x), if there is a constraint.
     pub gap: Option<Node>,
     /// s(x): the law is evaluated at u_ν - s.

@@ -64,7 +64,11 @@ fn rows(verdict: &Verdict) -> Vec<Row> {
     let Verdict { scene, norm, variable, decision, .. } = verdict;
     let row =
         |variable: &str, predicted: f64, observed: Option<f64>, interval: Option<[f64; 2]>| {
-            let bound = if verdict.at_least { "≥ " } else { "" };
+            let bound = match verdict.at_least {
+                true if predicted == 0.0 => "→ ",
+                true => "≥ ",
+                false => "",
+            };
             Row {
                 scene: scene.clone(),
                 norm: format!("{}, {variable}", norm.trim_end_matches("_max")),

@@ -4,7 +4,7 @@
 //! A u = matrix u + g(u),                 g_i a formula in r = u_i
 //! S u = R(Σ_l ∫_0^t q_l(t,s) Q_l u(s) ds + a_S)
 //! φ(y, u, v) = Σ_i N_i(y_i, u_i) v_i,    N_i a formula in y and r, by default y
-//! j(γu) = Σ_i w_i j_i(a_i·u),            K = {l_i ≤ a_i·u ≤ g_i}
+//! j(γu) = Σ_i w_i j_i(a_i·u),            K = {l_i ≤ a_i·u ≤ g_i}, l_i = g_i fixing a_i·u
 //! ```
 
 use serde::de::IgnoredAny;
@@ -161,9 +161,14 @@ impl AbstractTrace {
         let bound = |name: &str| reading.optional::<f64>(&key(name));
         let lower = bound("lower")?.unwrap_or(f64::NEG_INFINITY);
         let upper = bound("upper")?.unwrap_or(f64::INFINITY);
-        let empty = lower.is_nan() || upper.is_nan() || lower >= upper;
+        let empty = lower.is_nan() || upper.is_nan() || lower > upper;
         let message = format!("no number lies between lower = {lower} and upper = {upper}");
-        reading.refuse_if(empty, &key("lower"), message, "K needs lower < upper")?;
+        reading.refuse_if(
+            empty,
+            &key("lower"),
+            message,
+            "K needs lower <= upper, where lower = upper fixes a·u",
+        )?;
         let weight = bound("weight")?.unwrap_or(1.0);
         let weight = reading.positive_number(&key("weight"), weight)?;
         Ok(Self { functional, weight, law: law.flatten(), upper, lower })

@@ -1,4 +1,4 @@
-//! `[contact]`: gap, shift, law, quadrature and friction on Γ3, all optional.
+//! `[contact]`: gap, shift, law, quadrature and friction on Γ3, all optional, or u_ν = 0 there in place of a normal law.
 
 use fem::contact::BoundaryRule as ContactQuadrature;
 use formula::Node;
@@ -60,6 +60,13 @@ impl Contact {
             law.scale = reading.if_given("contact.law.scale", |reading, key| {
                 Scale::validate(reading, key, domain)
             })?;
+        }
+        let normal = [("gap", gap.is_some()), ("shift", shift.is_some()), ("law", law.is_some())];
+        for (key, given) in normal {
+            let message = format!("bilateral contact, and `{key}`: u_nu = 0 leaves nothing to it");
+            let hint = format!("remove `{key}`, or `bilateral`");
+            let given = domain.bilateral && given;
+            reading.refuse_if(given, &format!("contact.{key}"), message, hint)?;
         }
         let quadrature = quadrature(reading, law.as_ref(), domain)?;
         let friction = reading.if_given("contact.friction", |reading, _| {

@@ -48,6 +48,8 @@ pub struct Domain {
     pub traction: Vec<Side>,
     /// Γ3: contact.
     pub contact: Vec<Side>,
+    /// u_ν = 0 on Γ3, by `[contact] bilateral`.
+    pub bilateral: bool,
     pub mesh: Family,
 }
 
@@ -56,7 +58,9 @@ impl Domain {
         let (shape, size, sides) = shape(reading, dimension)?;
         let (clamped, symmetry, traction, contact) = Default::default();
         let mesh = Family::Structured;
-        let mut domain = Domain { shape, size, sides, clamped, symmetry, traction, contact, mesh };
+        let bilateral = reading.optional("contact.bilateral")?.unwrap_or(false);
+        let mut domain =
+            Domain { shape, size, sides, clamped, symmetry, traction, contact, bilateral, mesh };
         domain.clamped = domain.listed(reading, "domain.clamped")?;
         domain.symmetry = domain.listed(reading, "domain.symmetry")?;
         domain.traction = domain.listed(reading, "domain.traction")?;
@@ -72,6 +76,12 @@ impl Domain {
     /// d.
     pub fn dimension(&self) -> usize {
         self.size.len()
+    }
+
+    /// Where u_ν = 0: planes of symmetry, and Γ3 where contact is bilateral.
+    pub fn held(&self) -> Vec<Side> {
+        let contact = if self.bilateral { &self.contact[..] } else { &[] };
+        [&self.symmetry[..], contact].concat()
     }
 
     /// The name of a side.
@@ -111,7 +121,7 @@ impl Domain {
             return Ok(());
         }
         let hint = format!("clamp at least one side: clamped = [\"{}\"]", self.example_of_a_side());
-        if self.symmetry.is_empty() {
+        if self.held().is_empty() {
             let message =
                 "no side is clamped: without Γ1 there is no Korn inequality, and ‖ε(v)‖ is no norm";
             return Err(reading.error("domain.clamped", message, hint));

@@ -397,7 +397,7 @@ impl Norm {
 pub struct Prediction {
     pub norm: Norm,
     pub variable: Direction,
-    /// In h if `variable` is joint. Positive.
+    /// In h if `variable` is joint. Positive, or 0 as a lower bound where the error is to tend to zero.
     pub order: f64,
     /// Order in k, present exactly if `variable` is joint. Positive.
     pub order_k: Option<f64>,
@@ -427,7 +427,18 @@ impl Prediction {
         let known = [Direction::H, Direction::K, Direction::Joint, Direction::Path];
         let known = known.map(|variable| (variable.name(), variable));
         let variable = reading.choice(&key("variable"), &known)?;
-        let at_least = flag("at_least")?.unwrap_or(false);
+        let to_zero = flag("tends_to_zero")?.unwrap_or(false);
+        if to_zero {
+            for other in ["order", "order_k", "at_least", "exact", "constant_within"] {
+                let message = format!("both tends_to_zero and {other}: one is without an order");
+                let given = reading.has(&key(other));
+                reading.refuse_if(given, &key(other), message, "keep one of the two")?;
+            }
+            let message = "`tends_to_zero` is of the errors on a line, h or k";
+            let joint = variable == Direction::Joint;
+            reading.refuse_if(joint, &key("variable"), message, "write variable = \"h\"")?;
+        }
+        let at_least = to_zero || flag("at_least")?.unwrap_or(false);
         let exact = flag("exact")?.unwrap_or(false);
         if at_least && exact {
             let message = "both at_least and exact: an order is a lower bound or it is sharp";
@@ -436,11 +447,11 @@ impl Prediction {
         let why: String = reading.required(&key("why"))?;
         let hint = "name the theorem or equation that promises the order: why = \"(5.26)\"";
         reading.refuse_if(why.trim().is_empty(), &key("why"), "`why` is empty", hint)?;
-        let constant = flag("constant")?.unwrap_or(true);
+        let constant = !to_zero && flag("constant")?.unwrap_or(true);
         Ok(Prediction {
             norm: Norm::validate(reading, &key("norm"), has_contact)?,
             variable,
-            order: reading.positive(&key("order"))?,
+            order: if to_zero { 0.0 } else { reading.positive(&key("order"))? },
             order_k: order_in_k(reading, &key("order_k"), variable)?,
             at_least,
             exact,

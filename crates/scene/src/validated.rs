@@ -530,7 +530,7 @@ const OF_ALL: Tables = &[
     ("time", "horizon grid rule"),
     (
         "predicts.*",
-        "norm variable order order_k at_least exact constant constant_within constant_why why window_n window_steps",
+        "norm variable order order_k at_least exact tends_to_zero constant constant_within constant_why why window_n window_steps",
     ),
 ];
 
@@ -545,7 +545,7 @@ const OF_BODIES: Tables = &[
     ("material.projection", "mu kappa"),
     ("material.region.*", "name where physical lambda mu_L E nu elasticity memory"),
     ("material.region.*.memory", MEMORY),
-    ("contact", "gap shift law quadrature friction"),
+    ("contact", "bilateral gap shift law quadrature friction"),
     ("contact.friction", "bound"),
     ("discretization", "element"),
     ("loads", "body traction"),

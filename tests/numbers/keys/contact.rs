@@ -10,6 +10,7 @@ use super::{BLOCK, ORIGIN, Tie, block, near, value, with};
 
 pub const TIES: &[Tie] = &[
     (&["contact.gap", "contact.shift"], gap_and_shift),
+    (&["contact.bilateral"], bilateral),
     (&["contact.quadrature"], quadrature),
     (&["discretization.element"], element),
     (&["contact.law.kind", "contact.law.stiffness"], linear),
@@ -59,6 +60,15 @@ fn gap_and_shift() {
     let at = EvaluationPoint { x: 0.25, ..ORIGIN };
     near(value(&setup.scene, contact.gap.expect("a gap"), at), 0.35);
     near(value(&setup.scene, contact.shift.expect("a shift"), at), 0.005);
+}
+
+/// u_ν = 0 at the free vertices of the contact side, three unknowns of the block with two squares a side.
+fn bilateral() {
+    let [without, with] = ["", "bilateral = true"].map(|key| {
+        let space = with_contact(key).space(2).expect("a mesh");
+        space.supports.len()
+    });
+    assert_eq!([without, with], [0, 3]);
 }
 
 fn quadrature() {

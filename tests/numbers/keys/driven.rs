@@ -48,8 +48,15 @@ pub const TIES: &[Tie] = &[
         ],
         predictions,
     ),
+    (&["predicts.tends_to_zero"], to_zero),
     (&["predicts.constant", "predicts.constant_within", "predicts.constant_why"], constants),
 ];
+
+fn to_zero() {
+    let read = block(&[("order = 1.0", "tends_to_zero = true")]);
+    let first = &read.predicts[0];
+    assert_eq!((first.order, first.at_least, first.constant), (0.0, true, false));
+}
 
 fn heading() {
     let read = block(&[("question = \"Which number is read as which?\"", "question = \"Why?\"")]);

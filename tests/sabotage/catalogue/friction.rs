@@ -4,8 +4,9 @@ use std::cell::RefCell;
 use std::sync::Arc;
 
 use algebra::linalg::FactorError;
-use fem::contact::Friction;
-use scene::setup::Setup;
+use fem::contact::{CaseError, CaseInfo, Friction, Observer};
+use scene::Side;
+use scene::setup::{MeshData, Setup, side_numbers};
 use vhi::law::{PiecewiseLinear, Potential};
 use vhi::{
     BoundaryGraph, Coordinate, HistoryInequality, Newton, OpenInequality, Scratch, StepError,
@@ -13,6 +14,7 @@ use vhi::{
 };
 
 use super::levels::unchecked;
+use super::paths::on_sides;
 use super::{Defect, Term, marched};
 
 /// Newton's method with the laws of friction as they were at the end of the level before.
@@ -230,6 +232,30 @@ pub fn defects() -> Vec<Defect> {
     ]
 }
 
+/// The march with u = 0 on the first of these sides and u_ν = 0 on the second, where contact is bilateral.
+fn held(
+    setup: &Setup,
+    data: &MeshData,
+    steps: u32,
+    observe: &mut Observer<'_>,
+    [clamped, across]: [&[Side]; 2],
+) -> Result<CaseInfo, CaseError> {
+    if !setup.body.domain.bilateral {
+        return data.march(setup, steps, &Newton::default(), observe);
+    }
+    let [clamped, across] = [clamped, across].map(side_numbers);
+    on_sides(setup, data, steps, observe, (data.space.mesh.clone(), [&clamped, &across]))
+}
+
+/// The graph of a bound that rises with the slip as fast as the sound one falls.
+fn rising(sound: Friction) -> Friction {
+    let (lo, hi) = sound.graph.subdifferential(0.0);
+    let end = 2.0 * hi - sound.graph.subdifferential(0.1).0;
+    let points = vec![(-0.1, -end), (0.0, lo), (0.0, hi), (0.1, end)];
+    let graph = PiecewiseLinear::new(points, 0.0, 0.0).expect("a graph");
+    Friction { graph: Arc::new(graph), ..sound }
+}
+
 /// Defects of vectors, and of bounds that follow the slip or p.
 pub fn others() -> Vec<Defect> {
     vec![
@@ -289,6 +315,22 @@ pub fn others() -> Vec<Defect> {
                 })
             },
         ),
+        Defect::of(Term::Friction, "friction bound rises with the slip where it falls", |setup| {
+            changed(setup, rising)
+        }),
+        Defect::of(Term::Gap, "bilateral contact opens", |setup| {
+            marched(setup, |setup, data, steps, observe| {
+                let domain = &setup.body.domain;
+                held(setup, data, steps, observe, [&domain.clamped, &domain.symmetry])
+            })
+        }),
+        Defect::of(Term::Gap, "bilateral contact holds the whole displacement", |setup| {
+            marched(setup, |setup, data, steps, observe| {
+                let domain = &setup.body.domain;
+                let clamped = [&domain.clamped[..], &domain.contact].concat();
+                held(setup, data, steps, observe, [&clamped, &domain.symmetry])
+            })
+        }),
         Defect::of(Term::Friction, "friction that follows p takes a constant bound", |setup| {
             changed(setup, |sound| match sound.follows_pressure {
                 true => {

@@ -142,7 +142,7 @@ fn freed(
         mesh.facet_side[f] = no_side;
     }
     mesh.sides.push("no condition".into());
-    let symmetry = side_numbers(&setup.body.domain.symmetry);
+    let symmetry = side_numbers(&setup.body.domain.held());
     on_sides(setup, data, steps, observe, (mesh, [&clamped, &symmetry]))
 }
 

@@ -96,6 +96,7 @@ fn sample<const D: usize>(
 ) {
     let formulas = exact.boundary(&normal[..D]);
     let has_law = exact.data.contact.as_ref().is_some_and(|contact| contact.law.is_some());
+    let bilateral = exact.data.contact.as_ref().is_some_and(|contact| contact.bilateral);
     let (mut bound, mut inside) = (formulas.program.bind(points), exact.interior.bind(points));
     let (regions, mut memory) = (exact.regions_at(points), Vec::new());
     let friction = exact.friction(&normal[..D]);
@@ -116,10 +117,13 @@ fn sample<const D: usize>(
                 extremes.friction.get_or_insert_default().add(&sliding_state);
                 along = sliding_state.stress();
             }
-            let h3 = (0..D).map(|i| {
-                let traction: f64 = sigma[i].iter().zip(&normal).map(|(s, n)| s * n).sum();
-                traction + pressure * normal[i] + along[i]
-            });
+            let traction = |i: usize| sigma[i].iter().zip(&normal).map(|(s, n)| s * n).sum::<f64>();
+            // Where u_ν = 0, the reaction is what σ leaves.
+            let reaction = match bilateral {
+                true => -(0..D).map(|i| traction(i) * normal[i]).sum::<f64>(),
+                false => pressure,
+            };
+            let h3 = (0..D).map(|i| traction(i) + reaction * normal[i] + along[i]);
             let h3 = h3.map(|component| component * component).sum::<f64>().sqrt();
             extremes.sourced = extremes.sourced.max(h3);
             extremes.stress = sigma.iter().flatten().fold(extremes.stress, |m, s| m.max(s.abs()));
@@ -157,6 +161,9 @@ impl Extremes {
     fn states_in_words(&self, contact: Option<&ContactFormulas>) -> String {
         let has_law = contact.is_some_and(|contact| contact.law.is_some());
         let has_gap = contact.is_some_and(|contact| contact.gap.is_some());
+        if contact.is_some_and(|contact| contact.bilateral) {
+            return "bilateral: u_nu = 0 on Gamma3, which no tension opens".into();
+        }
         let absent = match (has_law, has_gap) {
             (false, false) => return "no law and no gap: Gamma3 is free".into(),
             (false, true) => " (no law)",

@@ -26,7 +26,7 @@ pub struct Discretization {
     pub pattern: BlockPattern,
     /// Γ3.
     pub trace: ContactTrace,
-    /// The conditions u·ν = 0 on planes of symmetry.
+    /// The conditions u·ν = 0 on planes of symmetry and of bilateral contact.
     pub supports: Vec<Support>,
     /// Unknowns of the vertices of Γ3, and of planes of symmetry, that are no Cartesian components, or held.
     pub frames: Frames,
@@ -49,7 +49,7 @@ impl Discretization {
     }
 
     /// Discretizes `mesh` with u = 0 on the first of the sides, u_ν = 0 on the second, and Γ3 on the third; where sides
-    /// of the first two meet, u = 0.
+    /// of the first two meet, u = 0. A side of the second and third is one of bilateral contact.
     pub fn with_symmetry(
         element: Element,
         mut mesh: Mesh,

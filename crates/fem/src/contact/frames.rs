@@ -5,7 +5,7 @@
 //! B = N⁻¹, displacements are u = B w, forces Bᵀf, matrices BᵀKB. Elsewhere w = u, and a scene whose
 //! normals are axes has no frame and pays nothing.
 //!
-//! On a plane of symmetry u_ν = 0: that unknown is held. Its column of B and its row of N are zero, which leaves it out of
+//! On a plane of symmetry, and on Γ3 where contact is bilateral, u_ν = 0: that unknown is held. Its column of B and its row of N are zero, which leaves it out of
 //! displacements, forces and matrices; on the diagonal of a matrix it keeps a positive number, so that it is solved to 0.
 
 use algebra::linalg::complement;
@@ -58,16 +58,22 @@ impl Frames {
     }
 
     /// Gives a node unknowns along `normals` (unit vectors, at most d of them), of which the first
-    /// become its first components; those from `held` on are held at zero. Normals that depend on each other are a broken
+    /// become its first components; those of `held` are held at zero. Normals that depend on each other are a broken
     /// invariant of the mesh: two sides that meet at an angle have different normals.
-    pub(crate) fn insert(&mut self, node: usize, nodes: usize, normals: &[[f64; 3]], held: usize) {
+    pub(crate) fn insert(
+        &mut self,
+        node: usize,
+        nodes: usize,
+        normals: &[[f64; 3]],
+        held: Vec<usize>,
+    ) {
         let d = self.dimension;
         let mut rows: Vec<Vec<f64>> = normals.iter().map(|normal| normal[..d].to_vec()).collect();
         rows.extend(complement(&rows, d).unwrap_or_default());
         assert_eq!(rows.len(), d, "dependent normals at node {node}");
         let rows = DMatrix::from_fn(d, d, |i, j| rows[i][j]);
         assert!(rows.determinant().abs() > DEPENDENT, "dependent normals at node {node}");
-        self.push(nodes, Frame::new(node, rows, (held..normals.len()).collect()));
+        self.push(nodes, Frame::new(node, rows, held));
     }
 
     /// Holds Cartesian components of a node at zero.
@@ -186,7 +192,7 @@ mod tests {
 
     fn frames(normals: &[[f64; 3]], d: usize) -> Frames {
         let mut frames = Frames::new(d);
-        frames.insert(1, 3, normals, normals.len());
+        frames.insert(1, 3, normals, Vec::new());
         frames
     }
 
@@ -224,7 +230,7 @@ mod tests {
     fn held_unknowns_leave_displacements_forces_and_matrices() {
         let normal = [0.6, -0.8];
         let mut frames = Frames::new(2);
-        frames.insert(0, 2, &[[0.6, -0.8, 0.0]], 0);
+        frames.insert(0, 2, &[[0.6, -0.8, 0.0]], vec![0]);
         frames.hold(1, 2, vec![0, 1]);
         assert!(frames.hold_any());
         let mut u = vec![0.3, 0.7, -0.2, 0.9];

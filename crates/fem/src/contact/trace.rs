@@ -56,8 +56,10 @@ pub struct ContactTrace {
 
 /// Normals that differ by less are one direction: rounding of vertex positions over a facet.
 const SAME_NORMAL: f64 = 1e-12;
+/// Normals of supports that are kept as independent differ by more.
+const SAME_SUPPORT: f64 = 1e-8;
 
-/// A condition u·ν = 0 at a free vertex, or midpoint with a node, of a plane of symmetry.
+/// A condition u·ν = 0 at a free vertex, or midpoint with a node, of a plane of symmetry or of bilateral contact.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Support {
     /// The vertex of the mesh.
@@ -157,8 +159,17 @@ impl ContactTrace {
             let node = nodes.of_vertex[*vertex as usize] as usize;
             let mut normals: Vec<[f64; 3]> =
                 members.iter().map(|&at| self.points[at].normal).collect();
-            let planes = across.get(vertex).map_or(&[][..], Vec::as_slice);
-            normals.extend(planes);
+            // Contact with u_ν = 0 holds the unknown of its own normal; a plane of symmetry has one beside it.
+            let (mut held, mut planes) = (Vec::new(), Vec::new());
+            for support in across.get(vertex).into_iter().flatten() {
+                let is_it = |normal: &[f64; 3]| norm(minus(*normal, *support)) < SAME_SUPPORT;
+                match normals[..members.len()].iter().position(is_it) {
+                    Some(at) => held.push(at),
+                    None => planes.push(*support),
+                }
+            }
+            normals.extend(&planes);
+            held.extend(members.len()..normals.len());
             let axes: Vec<usize> = normals.iter().filter_map(axis_of).collect();
             let clamped = node >= nodes.free;
             if axes.len() == normals.len() {
@@ -166,20 +177,20 @@ impl ContactTrace {
                     self.points[at].unknown = (d * node + axis) as u32;
                     self.points[at].sign = self.points[at].normal[axis];
                 }
-                let held = axes[members.len()..].to_vec();
                 if !clamped && !held.is_empty() {
+                    let held = held.into_iter().map(|at| axes[at]).collect();
                     frames.hold(node, nodes.vertex.len(), held);
                 }
                 continue;
             }
             if !clamped {
-                frames.insert(node, nodes.vertex.len(), &normals, members.len());
+                frames.insert(node, nodes.vertex.len(), &normals, held);
             }
             for (i, &at) in members.iter().enumerate() {
                 self.points[at].unknown = (d * node + i.min(d - 1)) as u32;
                 self.points[at].sign = 1.0;
                 // The plane of symmetry is across the side where there is friction: its normal is a tangent then.
-                if let (3, [plane]) = (d, planes) {
+                if let (3, [plane]) = (d, &planes[..]) {
                     let rows = [self.points[at].normal.to_vec(), plane.to_vec()];
                     let third = complement(&rows, d).unwrap_or_default();
                     self.points[at].tangents[0] = *plane;

@@ -51,7 +51,8 @@ pub fn judge_foreseen(
         Some(direction) => judge_line(open, &cases, &selection, prediction, direction),
         None => judge_grid(open, &selection, prediction),
     };
-    if let Some(Foreseen::Leading(line)) = foreseen {
+    // A constant is one of a predicted order.
+    if let (Some(Foreseen::Leading(line)), false) = (foreseen, prediction.tends_to_zero()) {
         compare_with(&mut verdict, &selection, prediction, line);
     }
     verdict.settle();
@@ -165,7 +166,10 @@ fn judge_line(
             return Verdict { reason, next: next.cases, ..open };
         }
     };
-    let mut ruling = posterior.decide(&claim(prediction, prediction.order));
+    let mut ruling = match prediction.tends_to_zero() {
+        true => posterior.tends_to_zero(),
+        false => posterior.decide(&claim(prediction, prediction.order)),
+    };
     let other = other_term(&cases.points(&prediction.norm), selection, prediction, direction);
     let other = other.filter(|other| !other.foreseen || ruling.decision != Decision::Pass);
     if ruling.decision == Decision::Fail && other.as_ref().is_some_and(OtherTerm::hides_the_order) {
@@ -228,6 +232,9 @@ fn constants(
     prediction: &Prediction,
     direction: Direction,
 ) -> BTreeMap<&'static str, FittedConstant> {
+    if prediction.tends_to_zero() {
+        return BTreeMap::new();
+    }
     let order = prediction.order;
     let fitted = constant_under(order, samples, correction(prediction, direction));
     let named = fitted.map(|(value, interval)| {

@@ -82,7 +82,7 @@ impl FloorSource {
 pub struct Prediction {
     pub norm: String,
     pub variable: Variable,
-    /// Order in the variable; in h for [`Variable::Joint`].
+    /// Order in the variable; in h for [`Variable::Joint`]. 0 as a lower bound says that the error tends to zero.
     pub order: f64,
     /// Order in k, for [`Variable::Joint`].
     pub order_k: Option<f64>,
@@ -107,6 +107,11 @@ pub struct Prediction {
 }
 
 impl Prediction {
+    /// Whether the error is to tend to zero, at no rate that anybody predicts.
+    pub(crate) fn tends_to_zero(&self) -> bool {
+        self.at_least && self.order == 0.0
+    }
+
     /// Predicts `order` of the error `norm` in `variable`: two-sided, on all cases, not refuted by higher orders,
     /// without an order in k or a theorem. Set what differs: `Prediction { exact: true, ..Prediction::new(norm,
     /// variable, order) }`.

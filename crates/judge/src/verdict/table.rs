@@ -26,7 +26,11 @@ pub fn cell_texts(verdict: &Verdict) -> [String; 7] {
 }
 
 fn predicted(verdict: &Verdict) -> String {
-    let bound = if verdict.at_least { "≥ " } else { "" };
+    let bound = match verdict.at_least {
+        true if verdict.predicted == 0.0 => "→ ",
+        true => "≥ ",
+        false => "",
+    };
     let order_k = verdict.predicted_k.map_or_else(String::new, |order| format!(", {order}"));
     format!("{bound}{}{order_k}", verdict.predicted)
 }

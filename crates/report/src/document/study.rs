@@ -20,6 +20,8 @@ pub enum Chapter {
     Gronwall,
     /// The proofs of Theorems 10 and 11.
     Audit,
+    /// Estimated and bounded errors beside true ones.
+    Estimators,
     Trade,
     /// Which term is at fault.
     Diagnose,
@@ -31,8 +33,15 @@ pub enum Chapter {
 const _: () = assert!(Chapter::ALL.len() == Chapter::Extremes as usize + 1);
 
 impl Chapter {
-    pub(crate) const ALL: [Self; 6] =
-        [Self::Bound, Self::Gronwall, Self::Audit, Self::Trade, Self::Diagnose, Self::Extremes];
+    pub(crate) const ALL: [Self; 7] = [
+        Self::Bound,
+        Self::Gronwall,
+        Self::Audit,
+        Self::Estimators,
+        Self::Trade,
+        Self::Diagnose,
+        Self::Extremes,
+    ];
 
     /// Its name in files and links.
     pub(crate) fn name(self) -> String {
@@ -45,6 +54,9 @@ impl Chapter {
             Self::Bound => ["bound SCENE", "(3.4)"],
             Self::Gronwall => ["gronwall SCENE", "Gronwall's inequality"],
             Self::Audit => ["audit SCENE", "the inequalities of the proof"],
+            Self::Estimators => {
+                ["estimators SCENE", "reliability and efficiency of the estimators"]
+            }
             Self::Trade => ["trade SCENE", "trade"],
             Self::Diagnose => ["diagnose SCENE", "which term is at fault"],
             Self::Extremes => ["extremes", "extremes"],

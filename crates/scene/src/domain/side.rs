@@ -221,7 +221,7 @@ fn add_independent(known: &mut Vec<[f64; 3]>, normal: [f64; 3]) {
 pub(super) fn rigid_motions_left(domain: &Domain) -> usize {
     let d = domain.dimension();
     let size = domain.size.iter().copied().fold(f64::MIN_POSITIVE, f64::max);
-    let faces: Vec<Face> = domain.symmetry.iter().flat_map(|&side| domain.faces(side)).collect();
+    let faces: Vec<Face> = domain.held().into_iter().flat_map(|side| domain.faces(side)).collect();
     let mut rows: Vec<Vec<f64>> = Vec::new();
     for face in &faces {
         for p in face.points(1) {

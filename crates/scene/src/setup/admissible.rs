@@ -163,7 +163,7 @@ fn clamped(setup: &Setup, exact: &Exact) -> Result<(), SceneError> {
     Ok(())
 }
 
-/// u_ν = 0 and σ_τ = 0 on planes of symmetry.
+/// u_ν = 0 and σ_τ = 0 on planes of symmetry, u_ν = 0 where contact is bilateral.
 fn symmetric(setup: &Setup, exact: &Exact) -> Result<(), SceneError> {
     let (scene, domain) = (&setup.scene, &setup.body.domain);
     let inside = domain.inner_points(6);
@@ -172,18 +172,29 @@ fn symmetric(setup: &Setup, exact: &Exact) -> Result<(), SceneError> {
     // Sizes that count as rounding of zero, from the body: strains are derivatives, and lose half of the digits at most.
     let largest = times.iter().fold([0.0f64; 2], |largest, &t| exact.sizes(&inside, t, largest));
     let [least_u, least_sigma] = [ROUNDING * largest[0], ROUNDING.sqrt() * largest[1]];
-    let faces = domain.symmetry.iter().flat_map(|&side| domain.faces(side));
-    for face in faces {
+    let faces = |side| domain.faces(side).into_iter().map(move |face| (side, face));
+    for (side, face) in domain.held().into_iter().flat_map(faces) {
+        let (what, hint) = match domain.contact.contains(&side) {
+            true => (
+                "with bilateral contact",
+                "there the component along the normal is zero: multiply it by a function that vanishes there, or remove `bilateral`",
+            ),
+            false => (
+                "on a plane of symmetry",
+                "there the component along the normal is zero: let it be odd across that plane",
+            ),
+        };
         let points = face.points(samples_along(setup));
         for &t in &times {
             let across = exact.across(&face.normal, &points, t);
             for (&place, [u, traction]) in points.iter().zip(across) {
                 let at = Sample { place, t, setup };
-                let message = format_args!("u_nu is {u:.3e} {at} on a plane of symmetry");
-                let hint =
-                    "there the component along the normal is zero: let it be odd across that plane";
+                let message = format_args!("u_nu is {u:.3e} {at} {what}");
                 let moves = u.is_nan() || u.abs() > least_u.max(f64::MIN_POSITIVE);
                 scene.refuse_if(moves, "exact.u", message, hint)?;
+                if domain.contact.contains(&side) {
+                    continue;
+                }
                 let message =
                     format_args!("|sigma_tau| is {traction:.3e} {at} on a plane of symmetry");
                 let hint =

@@ -117,7 +117,7 @@ impl Setup {
         let domain = &self.body.domain;
         let mesh = domain.mesh(n);
         let [clamped, symmetry, contact] =
-            [&domain.clamped, &domain.symmetry, &domain.contact].map(|sides| side_numbers(sides));
+            [&domain.clamped, &domain.held(), &domain.contact].map(|sides| side_numbers(sides));
         Discretization::with_symmetry(element, mesh, [&clamped, &symmetry, &contact])
     }
 
@@ -235,6 +235,7 @@ fn exact(scene: &Scene, body: &ContactScene) -> Option<Exact> {
     let Data::Exact { u, multiplier, selection, friction, .. } = &body.data else { return None };
     let material = &body.material;
     let contact = body.contact.as_ref().map(|contact| ContactFormulas {
+        bilateral: body.domain.bilateral,
         gap: contact.gap,
         shift: contact.shift,
         law: contact.law.as_ref().map(crate::Law::numbers),

@@ -130,6 +130,11 @@ pub fn check_step_sizes(subject: &Subject, steps: &[u32]) -> Result<Option<StepR
             if constants.smallness() == Smallness::Unknown {
                 return Ok(Some(StepRemark { warning: true, text: unknown(&constants) }));
             }
+            // Without a history the steps are problems of their own, of any size.
+            let remembers = !setup.model.memory.is_empty() || constants.lipschitz_kappa > 0.0;
+            if !remembers && !violates(Hypothesis::StepSize) {
+                return Ok(None);
+            }
             constants.step_bounds(setup.model.time_rule.as_ref())
         }
         Subject::Abstract(_) => subject_bounds(subject)?,

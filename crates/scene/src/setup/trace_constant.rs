@@ -109,6 +109,7 @@ struct Asked {
     shape: Shape,
     size: Vec<f64>,
     clamped: Vec<u32>,
+    /// With the sides of bilateral contact.
     symmetry: Vec<u32>,
     contact: Vec<u32>,
     tensor: TensorField,
@@ -121,7 +122,8 @@ static KNOWN: Mutex<Vec<(Asked, Answer)>> = Mutex::new(Vec::new());
 /// Only so many are kept.
 const KEPT: usize = 64;
 
-/// The constant of a domain with contact for a tensor that is the same everywhere: the identity for c_j² and c_τ².
+/// The constant of a domain with contact for a tensor that is the same everywhere: the identity for c_j² and c_τ². Where
+/// contact is bilateral, c_j² = 0, and c_τ² is that of the space with u_ν = 0.
 ///
 /// # Errors
 /// A stiffness matrix that cannot be factorized.
@@ -130,11 +132,14 @@ pub fn trace_constant(
     tensor: &TensorField,
     part: TracePart,
 ) -> Result<TraceConstant> {
+    if domain.bilateral && part == TracePart::Normal {
+        return Ok(TraceConstant::ZERO);
+    }
     let asked = Asked {
         shape: domain.shape.clone(),
         size: domain.size.clone(),
         clamped: side_numbers(&domain.clamped),
-        symmetry: side_numbers(&domain.symmetry),
+        symmetry: side_numbers(&domain.held()),
         contact: side_numbers(&domain.contact),
         tensor: tensor.clone(),
         part,

@@ -12,6 +12,7 @@ mod evidence;
 mod grid;
 mod mixture;
 mod next_term;
+mod to_zero;
 
 use super::level::{deviation, unexplained};
 use super::{Direction, FitError, Interval, Level, Point, Sample, power_of_log, samples, screen};
@@ -117,6 +118,8 @@ pub struct Posterior {
 struct Trend {
     /// Order of the differences of the last three errors, which no constant changes.
     of_differences: Option<f64>,
+    /// Share of the last error that is F of C h^p + F through the last three; none where they do not fall.
+    left: Option<f64>,
     /// Slope of the straight line, where the slopes go up and down about it as by noise.
     scattered: Option<[f64; 2]>,
     /// The noise is told.
@@ -246,6 +249,7 @@ pub fn infer(levels: &[Level], known: &Known) -> Result<Posterior, FitError> {
         doubts: Doubts::of(&serving, outside > 0.5 * all.weight),
         trend: Trend {
             of_differences: of_differences(&serving),
+            left: left_of_the_last(&serving),
             before_floor: table.before_floor(),
             scattered: table.scattered(),
             told_noise: table.told_noise(),
@@ -263,6 +267,14 @@ fn of_differences(serving: &[Level]) -> Option<f64> {
     let [.., a, b, c] = serving else { return None };
     let ratio = (a.error() - b.error()) / (b.error() - c.error());
     Some(ratio.ln() / (a.size() / b.size()).ln()).filter(|order| order.is_finite())
+}
+
+/// What C h^p + F leaves in F of the last of three errors, for equal ratios of steps: e₃ - d₂²/(d₁ - d₂) over e₃.
+fn left_of_the_last(serving: &[Level]) -> Option<f64> {
+    let [.., a, b, c] = serving else { return None };
+    let [first, last] = [a.error() - b.error(), b.error() - c.error()];
+    // Differences that do not fall have no limit.
+    (last > 0.0 && first > last).then(|| 1.0 - last * last / (first - last) / c.error())
 }
 
 fn largest(parts: &[Part]) -> f64 {

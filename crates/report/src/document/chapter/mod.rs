@@ -25,7 +25,7 @@ struct Opening {
 }
 
 /// The scenes that break a hypothesis stand before [`Chapter::Trade`]; a diagnosis leaves no file, and needs none.
-const OPENINGS: [Opening; 5] = [
+const OPENINGS: [Opening; 6] = [
     Opening {
         chapter: Chapter::Bound,
         id: "chapter-step-size",
@@ -77,6 +77,16 @@ const OPENINGS: [Opening; 5] = [
             "max_n norm(u_n - u_n^(k h)) <= C k^2 + C max_n inf_(v in K^h) (norm(u_n - v) + norm(gamma_j (u_n - v))^(1\\/2) + abs(E_n (v, u_n))^(1\\/2))",
             "(4.4)",
         ]],
+        more: "",
+    },
+    Opening {
+        chapter: Chapter::Estimators,
+        id: "chapter-estimators",
+        title: "Estimators",
+        words: "What is said of an error without knowing it, beside the error: the estimate from coarser companions, and the guaranteed bound of the error \
+         in space. Reliable: the bound is not below the error, and the interval of the estimate holds it. Efficient: the quotient does not grow under \
+         refinement, its order in the step is at least 0.",
+        formulas: &[],
         more: "",
     },
     Opening {

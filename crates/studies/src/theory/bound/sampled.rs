@@ -183,7 +183,10 @@ impl TraceConstants {
         }
         let of = |tensor: &TensorField, part| -> Result<OnMesh> {
             let squares = [TraceMass::Consistent, TraceMass::Lumped].map(|mass| (part, mass));
-            let values = trace_constants(space, tensor, squares)?.map(|found| found.value);
+            let values = match domain.bilateral && part == TracePart::Normal {
+                true => [0.0; 2],
+                false => trace_constants(space, tensor, squares)?.map(|found| found.value),
+            };
             let limit = tensor.is_uniform().then(|| trace_constant(domain, tensor, part));
             Ok(OnMesh { limit: limit.transpose()?, values })
         };
