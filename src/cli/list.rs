@@ -134,6 +134,7 @@ pub(crate) fn terms(scene: &Scene) -> Vec<&'static str> {
             (problem.nonlinear.is_none(), "linear operator"),
             (problem.nonlinear.is_some(), "nonlinear operator"),
             (!problem.kernels.is_empty(), "history"),
+            (problem.kernels.iter().any(|kernel| kernel.inner.is_some()), "history of a history"),
             (problem.force.is_some(), "nonlinear phi"),
             (problem.traces.iter().any(|trace| trace.law.is_some()), "j"),
             (problem.traces.iter().any(|trace| trace.is_bounded()), "constraint"),

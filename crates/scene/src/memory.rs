@@ -244,3 +244,18 @@ pub(super) fn needs_product_integration(
     let hint = "add to [time]: rule = \"product-integration\", which integrates the power";
     reading.refuse_if(time.rule != TimeRule::ProductIntegration, &key, message, hint)
 }
+
+/// Refuses rules whose repeated sums have no bound; `key` is that of an inner kernel.
+///
+/// # Errors
+/// Any rule but the trapezoidal one and those of endpoints.
+pub(super) fn needs_repeated_rule(
+    reading: &Reading,
+    time: &Time,
+    nested: Option<String>,
+) -> Result<()> {
+    let Some(key) = nested else { return Ok(()) };
+    let message = format!("a history of a history is not summed by the {}", time.rule.name());
+    let hint = "take rule = \"trapezoid\", \"left\" or \"right\" under [time]";
+    reading.refuse_if(!time.rule.repeats(), &key, message, hint)
+}

@@ -8,7 +8,7 @@ use super::domain::{Domain, MESHES, with_mesh};
 use super::friction::{BOUNDS, Friction};
 use super::law::{LAWS, Law};
 use super::material::{Material, TENSORS};
-use super::memory::{KERNELS, needs_product_integration};
+use super::memory::{KERNELS, needs_product_integration, needs_repeated_rule};
 use super::reading::{Kinds, Reading, Spans, of_any, syntax};
 use super::source::{Result, SceneError, Source};
 use super::sweep::{Prediction, Sweep, serves, states_are_known};
@@ -234,6 +234,7 @@ fn abstract_problem(reading: &mut Reading, dimension: usize) -> Result<Content> 
     reading.parameters = parameters(reading)?;
     let body = AbstractScene::validate(reading, time.horizon, dimension)?;
     needs_product_integration(reading, &time, body.singular_key())?;
+    needs_repeated_rule(reading, &time, body.nested_key())?;
     let predicts = predictions(reading, !body.traces.is_empty())?;
     for (index, prediction) in predicts.iter().enumerate() {
         prediction.only_in_time(reading, index)?;
@@ -561,8 +562,8 @@ const OF_ABSTRACT: Tables = &[
     ("space", "inner_product"),
     ("operator", "matrix nonlinear"),
     ("phi", "force"),
-    ("history", "kernels R a_S"),
-    ("history.kernels.*", "q singular matrix"),
+    ("history", "kernels R a_S start"),
+    ("history.kernels.*", "q singular matrix inner"),
     ("trace.*", "functional weight law upper lower"),
     ("exact", "u multiplier selection parameters define"),
     ("sweep", "steps"),
