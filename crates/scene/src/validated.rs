@@ -213,6 +213,7 @@ fn contact(reading: &mut Reading, dimension: usize, judge: bool) -> Result<Conte
     let time = Time::validate(reading)?;
     let material = Material::validate(reading, time.horizon, &domain)?;
     needs_product_integration(reading, &time, material.singular_key())?;
+    needs_repeated_rule(reading, &time, material.nested_key())?;
     reading.parameters = parameters(reading)?;
     let contact = Contact::validate(reading, &domain, &time)?;
     let data = Data::validate(reading, &domain, &time, contact.as_ref())?;
@@ -546,6 +547,8 @@ const OF_BODIES: Tables = &[
     ("material.projection", "mu kappa"),
     ("material.region.*", "name where physical lambda mu_L E nu elasticity memory"),
     ("material.region.*.memory", MEMORY),
+    ("material.memory.terms.*", MEMORY_TERM),
+    ("material.region.*.memory.terms.*", MEMORY_TERM),
     ("contact", "gap shift law quadrature friction"),
     ("contact.friction", "bound"),
     ("discretization", "element"),
@@ -555,7 +558,8 @@ const OF_BODIES: Tables = &[
     ("sweep.reference", "n steps"),
 ];
 
-const MEMORY: &str = "kernel lambda mu bulk shear singular";
+const MEMORY: &str = "kernel lambda mu bulk shear singular terms";
+const MEMORY_TERM: &str = "kernel inner lambda mu";
 
 const OF_ABSTRACT: Tables = &[
     ("", "scene time space operator history phi trace exact sweep predicts"),
@@ -577,10 +581,14 @@ const WITH_KINDS: &[(&str, Kinds)] = &[
     ("material.memory.kernel", &KERNELS),
     ("material.memory.bulk", &KERNELS),
     ("material.memory.shear", &KERNELS),
+    ("material.memory.terms.*.kernel", &KERNELS),
+    ("material.memory.terms.*.inner", &KERNELS),
     ("material.region.*.elasticity", &TENSORS),
     ("material.region.*.memory.kernel", &KERNELS),
     ("material.region.*.memory.bulk", &KERNELS),
     ("material.region.*.memory.shear", &KERNELS),
+    ("material.region.*.memory.terms.*.kernel", &KERNELS),
+    ("material.region.*.memory.terms.*.inner", &KERNELS),
     ("contact.law", &LAWS),
     ("contact.friction.bound", &BOUNDS),
     ("trace.*.law", &LAWS),

@@ -12,7 +12,8 @@ mod tensor_field;
 pub use curve::{Curve, Curved};
 pub use elasticity::Isotropic;
 pub use kernel::{
-    Convolution, ExponentialSum, HistoryKernel, INTERPOLATED_TO, MemoryKernel, Singular, Summed,
+    Convolution, ExponentialSum, HistoryKernel, INTERPOLATED_TO, MemoryKernel, Nested, Singular,
+    Summed,
 };
 pub use potential::{NoPotential, PiecewiseLinear, Potential, PotentialError, graph_distance};
 pub use projection::{AnyProjection, Projection, Response, VonMises, YieldLimit};

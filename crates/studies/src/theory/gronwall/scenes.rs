@@ -50,6 +50,10 @@ impl GronwallConstants {
     /// A rule with weights for each kernel, no history, no proved bound of c_j², m0 ≤ 0, κ not Lipschitz.
     pub fn new(setup: &Setup) -> Result<Self> {
         let (found, scene) = (constants(setup)?, &setup.scene);
+        if setup.body.material.memory.iter().any(|term| term.inner.is_some()) {
+            let why = " has a history of a history: its envelopes are those of abstract scenes; state the problem with kind = \"abstract\"";
+            return Err(refused(scene, why));
+        }
         let Some(weights) = Weights::of(scene.time.rule, found.singular.0) else {
             return Err(refused(scene, OWN_WEIGHTS));
         };
