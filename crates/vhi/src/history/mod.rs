@@ -3,7 +3,6 @@
 mod accumulated;
 mod endpoint;
 mod fast;
-mod gauss;
 mod gregory;
 mod grid;
 mod memory;
@@ -13,7 +12,6 @@ mod rules;
 pub use accumulated::Accumulated;
 pub use endpoint::{Left, Right};
 pub use fast::FastConvolution;
-pub(crate) use gauss::GAUSS;
 pub use gregory::{Gregory, GregoryOrder};
 pub use grid::{ClosedForm, GridError, GridFamily, TimeGrid, TimeRule, Trapezoid};
 pub use memory::{Memory, last_weight};

@@ -1,6 +1,6 @@
 //! Kernels of the history operator (2.11): general q(t, s), and b(t - s) as in ℬ(t)ε = b(t)·ℬ₀ε.
 
-use crate::history::GAUSS;
+use super::gauss::GAUSS;
 
 /// A scalar kernel q(t, s) of the history operator (2.11), 0 ≤ s ≤ t (1/time).
 pub trait HistoryKernel {

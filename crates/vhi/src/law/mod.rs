@@ -3,6 +3,7 @@
 
 mod curve;
 mod elasticity;
+mod gauss;
 mod kernel;
 mod potential;
 mod projection;
@@ -11,6 +12,7 @@ mod tensor_field;
 
 pub use curve::{Curve, Curved};
 pub use elasticity::Isotropic;
+pub(crate) use gauss::GAUSS;
 pub use kernel::{
     Convolution, ExponentialSum, HistoryKernel, INTERPOLATED_TO, MemoryKernel, Nested, Singular,
     Summed,
