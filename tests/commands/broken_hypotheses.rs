@@ -14,13 +14,15 @@ use crate::shipped::{edited, text};
 ///
 /// 0.02 where the next term is a whole power of k smaller; 0.05 where it is a half power or the place of an event in its
 /// step alternates; 0.2 above a lower bound (h^0.8), 0.05 for the smooth rest of u beside the corner's h^0.5445.
-const DERIVED: [(&str, &str, f64, f64, f64); 18] = [
+const DERIVED: [(&str, &str, f64, f64, f64); 19] = [
     ("broken-kernel", "k", 1.5, 0.02, 0.02),
     ("broken-kernel-grid", "k", 1.5, 0.02, 0.02),
     ("broken-kernel-end", "k", 2.0, 0.02, 0.02),
     ("broken-kernel-rule", "k", 2.0, 0.02, 0.02),
     ("broken-body", "k", 1.5, 0.02, 0.02),
     ("broken-body-end", "k", 2.0, 0.02, 0.02),
+    // The end of the outer sum adds k^2.
+    ("broken-nested", "k", 1.5, 0.05, 0.05),
     ("broken-start", "k", 1.5, 0.02, 0.02),
     ("broken-start-grid", "k", 2.0, 0.02, 0.02),
     ("broken-kink", "k", 2.0, 0.02, 0.02),

@@ -296,6 +296,23 @@ fn the_pages_stay_short() {
     assert!(all <= LONGEST, "{all} words: {counts:?}");
 }
 
+/// Each estimate has a page of its own beside the others, at most so long.
+const LONGEST_ESTIMATE: usize = 500;
+
+#[test]
+fn the_pages_of_estimates_stay_short() {
+    let (folder, book) = (root().join("docs/estimates"), read("docs/SUMMARY.md"));
+    for entry in std::fs::read_dir(folder).expect("docs/estimates") {
+        let name = entry.expect("an entry").file_name().into_string().expect("UTF-8");
+        let (page, text) =
+            (format!("docs/estimates/{name}"), read(&format!("docs/estimates/{name}")));
+        assert!(words(&text) <= LONGEST_ESTIMATE, "{name}: {} words", words(&text));
+        assert!(!names_no_reader(&text), "{name} names no reader");
+        assert!(book.contains(&format!("(estimates/{name})")), "{name} is not in docs/SUMMARY.md");
+        assert_eq!(broken(&page, &text), Vec::<String>::new());
+    }
+}
+
 /// A page without the tables that tests write (tests/sabotage/protocol.rs).
 fn by_hand(page: &str) -> String {
     ["| mistake |", "| penalty |"].iter().fold(page.to_owned(), |page, head| {

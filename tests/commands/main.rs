@@ -11,6 +11,7 @@ mod cli;
 mod diagnose_command;
 mod documents;
 mod equations;
+mod estimates;
 mod external;
 mod fit_tables;
 mod gronwall_command;
