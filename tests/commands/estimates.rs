@@ -106,7 +106,7 @@ fn broken_hypotheses_and_odd_histories_are_refused() {
         ("damping", edited(&text("damping-falls"), "\nviolates", "\n# "), "(2.9) fails: m0"),
         (
             "smooth",
-            edited(&text("broken-nested"), "sqrt(s - tau)", "exp(tau - s)"),
+            edited(&text("broken-nested"), "\"sqrt(s - tau)\"", "\"exp(tau - s)\""),
             "claims to violate (3.17), but nothing shows a violation",
         ),
         (
