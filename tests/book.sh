@@ -11,7 +11,7 @@ git ls-files -z --cached --others --exclude-standard |
     tar --null --files-from - --create --file - | tar --extract --file - --directory "$out/source"
 cp docs/book.toml "$out/source/book.toml"
 # The table of contents names pages as docs/ sees them.
-sed -E 's#\]\(([A-Z])#](docs/\1#; s#\]\(\.\./#](#' docs/SUMMARY.md >"$out/source/SUMMARY.md"
+sed -E 's#\]\(([A-Za-z])#](docs/\1#; s#\]\(\.\./#](#' docs/SUMMARY.md >"$out/source/SUMMARY.md"
 "$mdbook" build "$out/source" --dest-dir "$out/html"
 "$python" tests/book_links.py "$out/html"
 # A link that leads nowhere is found.

@@ -167,5 +167,8 @@ for coefficient in coulomb box-coulomb; do
     grep "  $coefficient, u: [1-9].* off the fixture" "$out.log"
 done
 
+echo "histories of histories by double sums: likewise"
+"$python" tests/independent/nested.py tests/fixtures/nested.json
+
 echo "quadratic elements by scikit-fem: the values that the tests compare with"
 "$python" tests/independent/quadratic.py 4 6 tests/fixtures/quadratic.json

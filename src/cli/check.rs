@@ -476,6 +476,13 @@ fn hypotheses(setup: &Setup, c: &Constants) -> Vec<Finding> {
     findings.push(smallness(c));
     findings.push(fact("beta_phi", c.beta_phi, "proved: max(mu L_kappa sqrt|Omega|, 1)"));
     findings.push(fact("|B|", c.memory.operator, "proved: operator norm on [0, T]"));
+    if c.singular.0 < 0.0 {
+        findings.push(fact(
+            "|q||r|",
+            c.singular.1.operator,
+            "of histories of histories: S has |B| + T |q||r|",
+        ));
+    }
     if c.singular.0 > 0.0 {
         let note = format!("the same of C in the terms t^-{} C", c.singular.0);
         findings.push(fact("|C|", c.singular.1.operator, &note));

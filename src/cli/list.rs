@@ -123,6 +123,10 @@ pub(crate) fn terms(scene: &Scene) -> Vec<&'static str> {
                 (body.material.is_anisotropic(), "anisotropy"),
                 (!body.material.memory.is_empty(), "memory"),
                 (body.material.memory.len() > 1, "several kernels"),
+                (
+                    body.material.memory.iter().any(|term| term.inner.is_some()),
+                    "history of a history",
+                ),
                 (body.material.projection.is_some(), "projection"),
                 (contact.is_some_and(|c| c.law.is_some()), "compliance"),
                 (contact.is_some_and(|c| c.gap.is_some()), "gap"),
@@ -135,6 +139,7 @@ pub(crate) fn terms(scene: &Scene) -> Vec<&'static str> {
             (problem.nonlinear.is_none(), "linear operator"),
             (problem.nonlinear.is_some(), "nonlinear operator"),
             (!problem.kernels.is_empty(), "history"),
+            (problem.kernels.iter().any(|kernel| kernel.inner.is_some()), "history of a history"),
             (problem.force.is_some(), "nonlinear phi"),
             (problem.traces.iter().any(|trace| trace.law.is_some()), "j"),
             (problem.traces.iter().any(|trace| trace.is_bounded()), "constraint"),

@@ -21,6 +21,8 @@ const DERIVED: [(&str, &str, f64, f64, f64); 19] = [
     ("broken-kernel-rule", "k", 2.0, 0.02, 0.02),
     ("broken-body", "k", 1.5, 0.02, 0.02),
     ("broken-body-end", "k", 2.0, 0.02, 0.02),
+    // The end of the outer sum adds k^2.
+    ("broken-nested", "k", 1.5, 0.05, 0.05),
     ("broken-start", "k", 1.5, 0.02, 0.02),
     ("broken-start-grid", "k", 2.0, 0.02, 0.02),
     ("broken-kink", "k", 2.0, 0.02, 0.02),

@@ -12,6 +12,7 @@ mod diagnose_command;
 mod documents;
 mod equations;
 mod estimators_command;
+mod estimates;
 mod external;
 mod fit_tables;
 mod gronwall_command;

@@ -35,6 +35,7 @@ mod load_totals;
 mod loads;
 mod materials;
 mod moving_obstacle;
+mod nested;
 mod newton;
 mod oblique;
 mod orders;

@@ -101,7 +101,8 @@ pub fn render(lines: &[Line]) -> String {
     text
 }
 
-fn row(line: &Line) -> String {
+/// The row of a defect.
+pub fn row(line: &Line) -> String {
     let marks = Gate::ALL.map(|gate| if line.by(gate) { MARK } else { "" }).join(" | ");
     let number = |value: Option<f64>| match value {
         Some(value) if value.abs() < 0.005 => "0".to_owned(),

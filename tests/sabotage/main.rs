@@ -294,3 +294,28 @@ fn diagnosis_names_the_term() {
     println!("{named} named alone, {among} among others, of {}", found.len());
     assert!(10 * named >= 8 * found.len(), "{named} of {}", found.len());
 }
+
+/// Histories of histories that are none, begin elsewhere or lose a level, and displacements with a velocity too many.
+#[test]
+fn wrong_histories_of_histories_are_caught() {
+    let reference = Reference::new(suite::some(&[
+        "nested-trapezoid",
+        "nested-left",
+        "short-memory",
+        "short-memory-time",
+    ]));
+    let sound = reference.line(&Defect::SOUND);
+    assert!(!sound.is_caught(), "{}", report(&sound));
+    for name in [
+        "q before u in place of its history",
+        "inner and outer kernel exchanged",
+        "inner history without its last level",
+        "initial displacement forgotten",
+        "displacement counts the first velocity",
+        "memory of the velocity in place of the displacement",
+    ] {
+        let line = reference.line(&defect(name));
+        println!("{}", document::row(&line));
+        assert!(line.by(Gate::Orders) || line.by(Gate::Constants), "{}", report(&line));
+    }
+}

@@ -98,7 +98,7 @@ const FRONT_IN_SPACE: &[(&str, &str)] = &[(
 /// The error in time on the coarsest mesh.
 const COARSE_IN_TIME: &[(&str, &str)] = &[("window_n = [16, 16]", "window_n = [4, 4]")];
 
-const ROWS: [Row; 41] = [
+const ROWS: [Row; 45] = [
     ("affine", &[], &[2], &[4, 8, 16, 32, 64]),
     ("affine", UNEVEN, &[2], &[4, 8, 16, 32, 64]),
     ("affine", BEYOND, &[2], &[4, 8, 16, 32, 64]),
@@ -140,6 +140,10 @@ const ROWS: [Row; 41] = [
     ("abstract-smooth", &[], &[], &[16, 32, 64, 128]),
     ("abstract-contact", &[], &[], &[16, 32, 64, 128]),
     ("broken-kernel", REFUTED, &[], &[64, 128, 256, 512]),
+    ("nested-trapezoid", &[], &[], &[16, 32, 64, 128]),
+    ("nested-left", &[], &[], &[32, 64, 128]),
+    ("short-memory", &[], &[], &[32, 64, 128]),
+    ("short-memory-time", &[], &[2], &[32, 64, 128]),
 ];
 
 /// All trials.

@@ -98,6 +98,8 @@ pub struct ExactData {
     pub regions: Vec<RegionNumbers>,
     /// b_i(t), one per term of the memory.
     pub kernels: Vec<Node>,
+    /// r_i(t) where b_i stands before ∫_0^s r_i(s-τ) ε(u(τ)) dτ in place of ε(u(s)), by number of the term.
+    pub inner: Vec<(usize, Node)>,
     /// κ(ζ).
     pub kappa: Option<Node>,
     /// Set if there is a Γ3 with law or gap.
@@ -155,9 +157,12 @@ impl Exact {
     pub fn new(mut data: ExactData) -> Self {
         let graph = &mut data.graph;
         let strain = symbolic::strain(graph, &data.u);
-        let terms = data.kernels.iter();
-        let memory: Vec<Node> =
-            terms.flat_map(|&kernel| symbolic::memory(graph, kernel, &strain)).collect();
+        let mut memory = Vec::new();
+        for (i, &kernel) in data.kernels.iter().enumerate() {
+            let inner = data.inner.iter().find(|(term, _)| *term == i);
+            let inner = inner.map(|&(_, r)| symbolic::memory(graph, r, &strain));
+            memory.extend(symbolic::memory(graph, kernel, inner.as_ref().unwrap_or(&strain)));
+        }
         let material = (&data.material, &data.regions[..]);
         let stress = symbolic::stress_in_regions(graph, material, data.kappa, &strain, &memory);
         let body_force = symbolic::body_force(graph, &stress);

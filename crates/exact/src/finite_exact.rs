@@ -4,6 +4,8 @@
 //! f(t) = M u + g(u) + N(S u, u) + Σ_i w_i (ξ_i + λ_i) a_i,   S u = R(Σ_l Q_l ∫_0^t q_l(t,s) u(s) ds + a_S)
 //! ```
 //!
+//! where a nested term has v(s) = start + ∫_0^s r(s,τ) u(τ) dτ in place of u(s),
+//!
 //! with histories by double exponential quadrature between the kinks of the integrands.
 
 use super::double_exponential::against_power;
@@ -23,6 +25,8 @@ pub struct FiniteData {
     pub r: Vec<Vec<f64>>,
     /// a_S.
     pub a_s: Vec<f64>,
+    /// v(0) of all nested terms.
+    pub start: Vec<f64>,
     /// N_i in y (second space coordinate) and r (first); empty for N(y, u) = y.
     pub force: Vec<Node>,
     pub traces: Vec<FiniteTrace>,
@@ -38,6 +42,8 @@ pub struct KernelFormulas {
     pub q: Node,
     /// a, 0 ≤ a < 1.
     pub power: f64,
+    /// r in s, kept as t, and τ, kept as the first space coordinate; q is then applied to that history.
+    pub inner: Option<Node>,
     /// Q.
     pub matrix: Vec<Vec<f64>>,
 }
@@ -90,8 +96,12 @@ pub struct FiniteExact {
     data: FiniteData,
     /// [u, a_i·u, ξ_i, λ_i] in t.
     present: Program,
-    /// q_l(t, s) u_j(s), by l, then j, without the power.
+    /// q_l(t, s) u_j(s), by l, then j, without the power; q_l(t, s) alone if the term is nested.
     integrands: Program,
+    /// r_l(t, s) u_j(s), by j, of each nested term.
+    inner: Vec<Option<Program>>,
+    /// u_j(s).
+    past: Program,
     /// Their signs decide the branches of the integrands.
     guards: Guards,
     panels: usize,
@@ -110,11 +120,17 @@ impl FiniteExact {
         let graph = &mut data.graph;
         let s = graph.variable(Variable::X);
         let past: Vec<Node> = data.u.iter().map(|&u| graph.substitute(u, Variable::T, s)).collect();
-        let mut integrands = Vec::new();
+        let (mut integrands, mut guarded, mut inner) = (Vec::new(), Vec::new(), Vec::new());
         for kernel in &data.kernels {
-            integrands.extend(past.iter().map(|&u| graph.mul(kernel.q, u)));
+            let mut times = |q| past.iter().map(|&u| graph.mul(q, u)).collect::<Vec<Node>>();
+            let of_q = times(kernel.q);
+            let within = kernel.inner.map(times);
+            // Kinks of u are kinks of the slope of v.
+            guarded.extend(of_q.iter().chain(within.iter().flatten()).copied());
+            integrands.extend(if within.is_some() { vec![kernel.q; of_q.len()] } else { of_q });
+            inner.push(within);
         }
-        let guards = graph.guards(&integrands);
+        let guards = graph.guards(&guarded);
         let mut present = data.u.clone();
         let zero = graph.constant(0.0);
         for trace in &data.traces {
@@ -133,6 +149,11 @@ impl FiniteExact {
         let mut exact = Self {
             present: Program::compile(graph, &present, horizon),
             integrands: Program::compile(graph, &integrands, horizon),
+            inner: inner
+                .into_iter()
+                .map(|list| list.map(|list| Program::compile(graph, &list, horizon)))
+                .collect(),
+            past: Program::compile(graph, &past, horizon),
             guards: Guards::new(graph, &guards, horizon),
             panels: 1,
             data,
@@ -174,17 +195,7 @@ impl FiniteExact {
         if kernels.is_empty() || t <= 0.0 {
             return sums;
         }
-        let mut cuts: Vec<f64> = (0..=panels).map(|i| t * i as f64 / panels as f64).collect();
-        cuts.extend(self.guards.along([0.0, t], WATCHES, t, |s| [s, 0.0, 0.0]));
-        cuts.sort_by(f64::total_cmp);
-        cuts.dedup_by(|a, b| *a - *b <= 1e-13 * t);
-        let inner = |ends: &[f64]| {
-            let [a, b] = [ends[0], ends[1]];
-            (1..parts).map(move |i| a + (b - a) * i as f64 / parts as f64)
-        };
-        let inner: Vec<f64> = cuts.windows(2).flat_map(inner).collect();
-        cuts.extend(inner);
-        cuts.sort_by(f64::total_cmp);
+        let cuts = self.cuts(t, panels, parts);
         let mut done: Vec<f64> = Vec::new();
         for power in kernels.iter().map(|kernel| kernel.power) {
             if done.contains(&power) {
@@ -198,12 +209,56 @@ impl FiniteExact {
             let points: Vec<[f64; 3]> = rule.iter().map(|&(s, _)| [s, 0.0, 0.0]).collect();
             let values = self.integrands.values(&points, t, 0.0);
             for (l, _) in kernels.iter().enumerate().filter(|(_, kernel)| kernel.power == power) {
-                for (sum, list) in sums[m * l..m * (l + 1)].iter_mut().zip(&values[m * l..]) {
-                    *sum = list.iter().zip(&rule).map(|(value, (_, weight))| weight * value).sum();
+                let inner = self.inner[l].as_ref();
+                let inner: Option<Vec<Vec<f64>>> = inner.map(|program| {
+                    let at = |&(s, _): &(f64, f64)| self.inner_history(program, s, panels, parts);
+                    rule.iter().map(at).collect()
+                });
+                let of = sums[m * l..m * (l + 1)].iter_mut().zip(&values[m * l..]).enumerate();
+                for (j, (sum, list)) in of {
+                    let v = |p: usize| inner.as_ref().map_or(1.0, |inner| inner[p][j]);
+                    let terms = list.iter().zip(&rule).enumerate();
+                    *sum = terms.map(|(p, (value, (_, weight)))| weight * value * v(p)).sum();
                 }
             }
         }
         sums
+    }
+
+    /// The ends of the panels of [0, t], each between kinks divided into `parts`.
+    fn cuts(&self, t: f64, panels: usize, parts: usize) -> Vec<f64> {
+        let mut cuts: Vec<f64> = (0..=panels).map(|i| t * i as f64 / panels as f64).collect();
+        cuts.extend(self.guards.along([0.0, t], WATCHES, t, |s| [s, 0.0, 0.0]));
+        cuts.sort_by(f64::total_cmp);
+        cuts.dedup_by(|a, b| *a - *b <= 1e-13 * t);
+        let inner = |ends: &[f64]| {
+            let [a, b] = [ends[0], ends[1]];
+            (1..parts).map(move |i| a + (b - a) * i as f64 / parts as f64)
+        };
+        let inner: Vec<f64> = cuts.windows(2).flat_map(inner).collect();
+        cuts.extend(inner);
+        cuts.sort_by(f64::total_cmp);
+        cuts
+    }
+
+    /// v(s) = start + ∫_0^s r(s, τ) u(τ) dτ.
+    fn inner_history(&self, program: &Program, s: f64, panels: usize, parts: usize) -> Vec<f64> {
+        let mut v = self.data.start.clone();
+        if s > 0.0 {
+            let cuts = self.cuts(s, panels, parts);
+            let rule = cuts.windows(2).flat_map(|ends| against_power(0.0, s, ends[0], ends[1]));
+            let (points, weights): (Vec<[f64; 3]>, Vec<f64>) =
+                rule.map(|(tau, weight)| ([tau, 0.0, 0.0], weight)).unzip();
+            for (v, list) in v.iter_mut().zip(program.values(&points, s, 0.0)) {
+                *v += dot(&list, &weights);
+            }
+        }
+        v
+    }
+
+    /// start + ∫_0^t u ds: of a velocity the displacement.
+    pub fn integral(&self, t: f64) -> Vec<f64> {
+        self.inner_history(&self.past, t, self.panels, 1)
     }
 
     /// (S u)(t).
@@ -264,7 +319,8 @@ mod tests {
         let scope = Scope::new(&[Variable::X, Variable::T]);
         let q = graph.parse(q, &scope).expect("a formula");
         let one = || vec![vec![1.0]];
-        let kernels = vec![KernelFormulas { q, power: 0.0, matrix: one() }];
+        let kernels = vec![KernelFormulas { q, power: 0.0, inner: None, matrix: one() }];
+        let start = vec![0.0];
         let u = vec![graph.constant(1.0)];
         let (matrix, r, a_s) = (one(), one(), vec![0.0]);
         let (nonlinear, force, traces) = (Vec::new(), Vec::new(), Vec::new());
@@ -275,6 +331,7 @@ mod tests {
             kernels,
             r,
             a_s,
+            start,
             force,
             traces,
             u,

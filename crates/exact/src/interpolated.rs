@@ -52,8 +52,12 @@ impl InterpolatedOnMesh {
     pub fn new(exact: Arc<Exact>, space: Arc<Discretization>, rule: ComplianceRule) -> Self {
         let mut graph = exact.data.graph.clone();
         let mut outputs: Vec<Node> = exact.data.u.clone();
-        for &kernel in &exact.data.kernels {
-            outputs.extend(exact.data.u.iter().map(|&u| graph.convolve(kernel, u)));
+        for (i, &kernel) in exact.data.kernels.iter().enumerate() {
+            let inner = exact.data.inner.iter().find(|(term, _)| *term == i);
+            for &u in &exact.data.u {
+                let v = inner.map_or(u, |&(_, r)| graph.convolve(r, u));
+                outputs.push(graph.convolve(kernel, v));
+            }
         }
         let horizon = exact.data.horizon;
         let nodal = Program::compile(&graph, &outputs, horizon);

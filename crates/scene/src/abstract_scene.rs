@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! A u = matrix u + g(u),                 g_i a formula in r = u_i
-//! S u = R(Σ_l ∫_0^t q_l(t,s) Q_l u(s) ds + a_S)
+//! S u = R(Σ_l ∫_0^t q_l(t,s) Q_l u(s) ds + a_S), or v_l(s) = start + ∫_0^s r_l(s,τ) u(τ) dτ in place of u(s)
 //! φ(y, u, v) = Σ_i N_i(y_i, u_i) v_i,    N_i a formula in y and r, by default y
 //! j(γu) = Σ_i w_i j_i(a_i·u),            K = {l_i ≤ a_i·u ≤ g_i}, l_i = g_i fixing a_i·u
 //! ```
@@ -49,6 +49,8 @@ pub struct AbstractScene {
     pub kernels: Vec<AbstractKernel>,
     pub r: Rows,
     pub a_s: Vec<f64>,
+    /// Where inner histories begin.
+    pub start: Vec<f64>,
     /// N_i in y (the second space coordinate) and r (the first); None is N_i = y_i.
     pub force: Option<Vec<Node>>,
     pub traces: Vec<AbstractTrace>,
@@ -90,6 +92,11 @@ impl AbstractScene {
         let kernels = kernels(reading, horizon, m)?;
         let r = square_or_identity(reading, "history.R", m)?;
         let a_s = reading.if_given("history.a_S", |reading, key| vector(reading, key, m))?;
+        let start = reading.if_given("history.start", |reading, key| vector(reading, key, m))?;
+        let idle = start.is_some() && kernels.iter().all(|kernel| kernel.inner.is_none());
+        let message = "`start` is where inner histories begin, and no kernel has one";
+        let hint = "add inner to a kernel, or write a constant of S into a_S";
+        reading.refuse_if(idle, "history.start", message, hint)?;
         let traces = reading.entries("trace")?;
         let traces = traces.map(|i| AbstractTrace::validate(reading, i, m));
         let traces = traces.collect::<Result<Vec<_>, _>>()?;
@@ -104,6 +111,7 @@ impl AbstractScene {
             kernels,
             r,
             a_s: a_s.unwrap_or_else(|| vec![0.0; m]),
+            start: start.unwrap_or_else(|| vec![0.0; m]),
             force,
             u,
             multiplier: of_traces("exact.multiplier")?,
@@ -117,6 +125,12 @@ impl AbstractScene {
         let at = self.kernels.iter().position(|kernel| kernel.power > 0.0);
         at.map(|l| format!("history.kernels.{l}.singular"))
     }
+
+    /// The key of the first inner kernel.
+    pub(super) fn nested_key(&self) -> Option<String> {
+        let at = self.kernels.iter().position(|kernel| kernel.inner.is_some());
+        at.map(|l| format!("history.kernels.{l}.inner"))
+    }
 }
 
 fn square_or_identity(reading: &Reading, key: &str, m: usize) -> Result<Rows> {
@@ -127,19 +141,37 @@ fn square_or_identity(reading: &Reading, key: &str, m: usize) -> Result<Rows> {
 fn kernels(reading: &mut Reading, horizon: f64, m: usize) -> Result<Vec<AbstractKernel>> {
     let mut scope = reading.scope(&[Variable::T]);
     scope.define("s", reading.formulas.variable(Variable::X));
+    // r(s, tau) is kept as q is, with t for s and the first coordinate for tau.
+    let mut within = reading.scope(&[]);
+    within.define("s", reading.formulas.variable(Variable::T));
+    within.define("tau", reading.formulas.variable(Variable::X));
     let mut kernels = Vec::new();
     for l in reading.entries("history.kernels")? {
         let key = format!("history.kernels.{l}");
         let of_q = join(&key, "q");
         let q = reading.formula(&of_q, &scope)?;
         let matrix = square_or_identity(reading, &join(&key, "matrix"), m)?;
-        let ends = evenly(0.0, horizon, ENDS).skip(1);
-        let ends = ends.map(|t| EvaluationPoint { x: t, t, ..EvaluationPoint::default() });
-        reading.everywhere((&of_q, q), ends, f64::is_finite, |at, value| {
+        let ends = || {
+            let ends = evenly(0.0, horizon, ENDS).skip(1);
+            ends.map(|t| EvaluationPoint { x: t, t, ..EvaluationPoint::default() })
+        };
+        reading.everywhere((&of_q, q), ends(), f64::is_finite, |at, value| {
             (format!("q(t, s) is {value} at s = t = {}", at.t), singular_way_out("q"))
         })?;
         let power = singular_exponent(reading, &key)?;
-        kernels.push(AbstractKernel { q, power, matrix });
+        let of_inner = join(&key, "inner");
+        let inner = reading.if_given(&of_inner, |reading, key| reading.formula(key, &within))?;
+        if let Some(r) = inner {
+            reading.everywhere((&of_inner, r), ends(), f64::is_finite, |at, value| {
+                let hint = "an inner kernel must be continuous for 0 <= tau <= s <= T";
+                (format!("r(s, tau) is {value} at tau = s = {}", at.t), hint.to_string())
+            })?;
+        }
+        let both = inner.is_some() && power > 0.0;
+        let message = "a kernel with an inner one has no `singular` exponent";
+        let hint = "remove `singular`: histories of histories are for continuous kernels";
+        reading.refuse_if(both, &of_inner, message, hint)?;
+        kernels.push(AbstractKernel { q, power, inner, matrix });
     }
     Ok(kernels)
 }

@@ -60,7 +60,17 @@ impl Material {
         let memory = memory::terms(reading, &base, &parts);
         let projection = reading
             .if_given("material.projection", |reading, _| Projection::validate(reading, horizon))?;
+        let both = projection.is_some() && memory.iter().any(|term| term.inner.is_some());
+        let message = "no bound of zeta is proved beside a history of a history";
+        let hint = "remove `inner` from the terms of the memory, or the projection";
+        reading.refuse_if(both, "material.projection", message, hint)?;
         Ok(Material { elastic, memory, projection, regions })
+    }
+
+    /// The key of the list with an inner kernel, if there is one.
+    pub(super) fn nested_key(&self) -> Option<String> {
+        let nested = self.memory.iter().any(|term| term.inner.is_some());
+        nested.then(|| "material.memory.terms".to_string())
     }
 
     /// The key of the first exponent of a kernel that is infinite at s = t.

@@ -14,6 +14,9 @@ pub struct RelaxationTerm {
     pub singular: Option<SingularParts>,
     /// Pairs (a, c) with kernel = Σ a exp(-c t), if it has that form.
     pub exponentials: Option<Vec<(f64, f64)>>,
+    /// r of a history ∫_0^s r(s - τ) ε(u(τ)) dτ, to which the kernel is then applied in place of ε(u(s)): a formula in t,
+    /// finite on [0, T].
+    pub inner: Option<Node>,
     /// Outside all named regions.
     pub lambda: f64,
     pub mu: f64,
@@ -40,6 +43,7 @@ pub(super) fn key(region: Option<usize>) -> String {
 pub(super) struct Part {
     kernel: Node,
     singular: Option<SingularParts>,
+    inner: Option<Node>,
     tensor: [f64; 2],
 }
 
@@ -55,6 +59,9 @@ pub(super) fn parts(
         return Ok(None);
     }
     let power = (singular_exponent(reading, key)?, region);
+    if reading.has(&join(key, "terms")) {
+        return listed(reading, key, horizon).map(Some);
+    }
     let has = |name: &str| reading.has(&join(key, name));
     let apart = has("bulk") || has("shear");
     match (has("kernel"), has("lambda") || has("mu")) {
@@ -80,10 +87,35 @@ pub(super) fn parts(
             let message = format!(
                 "[{key}] needs one kernel with its tensor, or the kernels of bulk and shear"
             );
-            let hint = "give kernel, lambda and mu for kernel(t)(2 mu eps + lambda tr(eps) I), or bulk and shear for bulk(t) tr(eps) I + 2 shear(t) dev(eps)";
+            let hint = "give kernel, lambda and mu for kernel(t)(2 mu eps + lambda tr(eps) I), or terms, a list of such tables, or bulk and shear for bulk(t) tr(eps) I + 2 shear(t) dev(eps)";
             Err(reading.error(key, message, hint))
         }
     }
+}
+
+/// The parts of `terms`: kernels with their tensors, some before a history of their own.
+fn listed(reading: &mut Reading, key: &str, horizon: f64) -> Result<Vec<Part>> {
+    let of_list = join(key, "terms");
+    let others = ["kernel", "lambda", "mu", "bulk", "shear", "singular"];
+    if let Some(other) = others.iter().find(|other| reading.has(&join(key, other))) {
+        let message = format!("`{other}` beside `terms`: each term has its own");
+        let hint = "write it into the tables of terms, or remove terms";
+        return Err(reading.key_error(&join(key, other), message, hint));
+    }
+    let entries = reading.entries(&of_list)?;
+    let hint = "for instance: terms = [{ kernel = \"1\", lambda = 0.5, mu = 0.5 }]";
+    reading.refuse_if(entries.is_empty(), &of_list, "a memory without terms", hint)?;
+    let mut parts = Vec::new();
+    for index in entries {
+        let of = |name: &str| format!("{of_list}.{index}.{name}");
+        let lambda = reading.finite(&of("lambda"))?;
+        let mu = reading.finite(&of("mu"))?;
+        let kernel = validated(reading, &of("kernel"), horizon)?;
+        let inner =
+            reading.if_given(&of("inner"), |reading, key| validated(reading, key, horizon))?;
+        parts.push(Part { kernel, singular: None, inner, tensor: [lambda, mu] });
+    }
+    Ok(parts)
 }
 
 impl Part {
@@ -94,13 +126,14 @@ impl Part {
         tensor: [f64; 2],
     ) -> Self {
         if power == 0.0 {
-            return Self { kernel: factor, singular: None, tensor };
+            return Self { kernel: factor, singular: None, inner: None, tensor };
         }
         let graph = &mut reading.formulas;
         let (t, exponent) = (graph.variable(Variable::T), graph.constant(-power));
         let root = graph.pow(t, exponent);
         let kernel = graph.mul(root, factor);
-        Self { kernel, singular: Some(SingularParts { power, factor, region }), tensor }
+        let singular = Some(SingularParts { power, factor, region });
+        Self { kernel, singular, inner: None, tensor }
     }
 }
 
@@ -127,11 +160,12 @@ pub(super) fn terms(
 ) -> Vec<RelaxationTerm> {
     let mut terms: Vec<RelaxationTerm> = Vec::new();
     for part in base.iter().chain(regions.iter().flatten()) {
-        if terms.iter().any(|term| term.kernel == part.kernel) {
+        let same = |other: &Part| (other.kernel, other.inner) == (part.kernel, part.inner);
+        if terms.iter().any(|term| (term.kernel, term.inner) == (part.kernel, part.inner)) {
             continue;
         }
         let tensor = |parts: &[Part]| {
-            let of_kernel = parts.iter().filter(|other| other.kernel == part.kernel);
+            let of_kernel = parts.iter().filter(|other| same(other));
             of_kernel
                 .fold([0.0, 0.0], |[a, b], Part { tensor: [lambda, mu], .. }| [a + lambda, b + mu])
         };
@@ -144,6 +178,7 @@ pub(super) fn terms(
             kernel: part.kernel,
             singular: part.singular,
             exponentials,
+            inner: part.inner,
             lambda,
             mu,
             regions: regions.iter().map(|parts| tensor(parts)).collect(),
@@ -243,4 +278,20 @@ pub(super) fn needs_product_integration(
         "a kernel with `singular` is infinite at s = t, where this time rule takes its value";
     let hint = "add to [time]: rule = \"product-integration\", which integrates the power";
     reading.refuse_if(time.rule != TimeRule::ProductIntegration, &key, message, hint)
+}
+
+/// Refuses rules whose repeated sums have no bound; `key` is that of an inner kernel.
+///
+/// # Errors
+/// Any rule but the trapezoidal one and those of endpoints.
+pub(super) fn needs_repeated_rule(
+    reading: &Reading,
+    time: &Time,
+    nested: Option<String>,
+) -> Result<()> {
+    let Some(key) = nested else { return Ok(()) };
+    let message =
+        format!("no bounds are known of a history of a history by this rule: {}", time.rule.name());
+    let hint = "take rule = \"trapezoid\", \"left\" or \"right\" under [time]";
+    reading.refuse_if(!time.rule.repeats(), &key, message, hint)
 }

@@ -4,7 +4,7 @@ use super::domain::{Domain, Shape};
 use super::reading::{Reading, join};
 use super::source::{Result, SceneError};
 use super::time::{SMALLER_EXPONENT, Time};
-use super::validated::{Scene, name_in};
+use super::validated::{Scene, SceneKind, name_in};
 use fem::mesh::Family as MeshFamily;
 use fem::norms::ContactState;
 use files::counted;
@@ -318,6 +318,8 @@ pub enum Norm {
     StressL2Max,
     ContactSetMax,
     VTimeMax,
+    /// Of an abstract scene: start + ∫ u by the scene's rule, in X; the displacement if u is a velocity.
+    DisplacementMax,
     VProjectionMax,
     /// u_ν on the part of Γ3 where the exact solution is in a state.
     TraceMax(ContactState),
@@ -340,7 +342,7 @@ impl Norm {
     }
 
     /// Every norm with its name.
-    const NAMES: [(&str, Norm); 19] = [
+    const NAMES: [(&str, Norm); 20] = [
         ("V_max", Norm::VMax),
         ("L2_max", Norm::L2Max),
         ("trace_L2_max", Norm::TraceL2Max),
@@ -348,6 +350,7 @@ impl Norm {
         ("stress_L2_max", Norm::StressL2Max),
         ("contact_set_max", Norm::ContactSetMax),
         ("V_time_max", Norm::VTimeMax),
+        ("displacement_max", Norm::DisplacementMax),
         ("V_projection_max", Norm::VProjectionMax),
         ("trace_open_max", Norm::TraceMax(ContactState::Open)),
         ("trace_rising_max", Norm::TraceMax(ContactState::Rising)),
@@ -388,6 +391,11 @@ impl Norm {
         let message = format!("`{}` is measured on Γ3, and the scene has no contact", norm.name());
         let hint = "choose V_max, L2_max or stress_L2_max, or add contact";
         reading.refuse_if(norm.needs_contact() && !has_contact, key, message, hint)?;
+        let odd =
+            norm == Norm::DisplacementMax && SceneKind::validate(reading)? != SceneKind::Abstract;
+        let message = "`displacement_max` is the integral of u in an abstract scene";
+        let hint = "a body has it in its stress: choose stress_L2_max";
+        reading.refuse_if(odd, key, message, hint)?;
         Ok(norm)
     }
 }
@@ -469,8 +477,8 @@ impl Prediction {
     pub(super) fn only_in_time(&self, reading: &Reading, index: usize) -> Result<()> {
         let key = |name: &str| format!("predicts.{index}.{name}");
         let message = format!("`{}` needs a body", self.norm.name());
-        let hint = "the errors of an abstract scene are V_max, the largest norm in X, and with functionals pressure_L2_max";
-        let known = matches!(self.norm, Norm::VMax | Norm::PressureL2Max);
+        let hint = "the errors of an abstract scene are V_max, the largest norm in X, displacement_max of the integral of u, and with functionals pressure_L2_max";
+        let known = matches!(self.norm, Norm::VMax | Norm::PressureL2Max | Norm::DisplacementMax);
         reading.refuse_if(!known, &key("norm"), message, hint)?;
         let (message, hint) =
             ("an abstract scene has no mesh, so no order in h", "write variable = \"k\"");

@@ -3,7 +3,8 @@
 use super::reading::Reading;
 use super::source::Result;
 use vhi::history::{
-    self, CorrectedEnd, Gregory, GregoryOrder, GridError, Left, ProductIntegration, Trapezoid,
+    self, CorrectedEnd, Gregory, GregoryOrder, GridError, Left, ProductIntegration, Right,
+    Trapezoid,
 };
 
 pub use vhi::history::GridFamily as TimeGrid;
@@ -23,6 +24,8 @@ pub enum TimeRule {
     Trapezoid,
     /// The value at the left end of each step.
     Left,
+    /// The value at the right end: the sum of backward Euler.
+    Right,
     /// The trapezoidal rule with difference corrections at both ends, on equal steps: order 3 or 4.
     Gregory {
         order: u32,
@@ -41,6 +44,7 @@ impl TimeRule {
         match self {
             Self::Trapezoid => Box::new(Trapezoid),
             Self::Left => Box::new(Left),
+            Self::Right => Box::new(Right),
             Self::Gregory { order: 3 } => Box::new(Gregory { order: GregoryOrder::Three }),
             Self::Gregory { .. } => Box::new(Gregory { order: GregoryOrder::Four }),
             Self::CorrectedEnd { exponent } => Box::new(CorrectedEnd { exponent }),
@@ -49,9 +53,10 @@ impl TimeRule {
     }
 
     /// One of each: scenes can name no other, and what is to hold of all rules is tested on these.
-    pub const EVERY: [Self; 6] = [
+    pub const EVERY: [Self; 7] = [
         Self::Trapezoid,
         Self::Left,
+        Self::Right,
         Self::Gregory { order: 3 },
         Self::Gregory { order: 4 },
         Self::CorrectedEnd { exponent: 0.5 },
@@ -72,6 +77,10 @@ impl TimeRule {
             Self::Left => (
                 ["left", "", "left-endpoint rule"],
                 "left endpoint, weights 1, ..., 1, 0: no step is too large for (3.4)",
+            ),
+            Self::Right => (
+                ["right", "", "right-endpoint rule"],
+                "right endpoint, weights 0, 1, ..., 1: the sum of backward Euler",
             ),
             Self::Gregory { order: 3 } => (
                 ["gregory", "order", "Gregory's rule of order 3"],
@@ -100,10 +109,15 @@ impl TimeRule {
         (kind, keys)
     }
 
+    /// Whether a history of a history has bounds by it: weights that are not larger in a longer sum.
+    pub fn repeats(self) -> bool {
+        matches!(self, Self::Trapezoid | Self::Left | Self::Right)
+    }
+
     /// The order of its sums for a smooth integrand.
     pub fn order(self) -> f64 {
         match self {
-            Self::Left => 1.0,
+            Self::Left | Self::Right => 1.0,
             Self::Trapezoid | Self::CorrectedEnd { .. } | Self::ProductIntegration => 2.0,
             Self::Gregory { order } => f64::from(order),
         }

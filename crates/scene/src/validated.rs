@@ -8,7 +8,7 @@ use super::domain::{Domain, MESHES, with_mesh};
 use super::friction::{BOUNDS, Friction};
 use super::law::{LAWS, Law};
 use super::material::{Material, TENSORS};
-use super::memory::{KERNELS, needs_product_integration};
+use super::memory::{KERNELS, needs_product_integration, needs_repeated_rule};
 use super::reading::{Kinds, Reading, Spans, of_any, syntax};
 use super::source::{Result, SceneError, Source};
 use super::sweep::{Prediction, Sweep, serves, states_are_known};
@@ -213,6 +213,7 @@ fn contact(reading: &mut Reading, dimension: usize, judge: bool) -> Result<Conte
     let time = Time::validate(reading)?;
     let material = Material::validate(reading, time.horizon, &domain)?;
     needs_product_integration(reading, &time, material.singular_key())?;
+    needs_repeated_rule(reading, &time, material.nested_key())?;
     reading.parameters = parameters(reading)?;
     let contact = Contact::validate(reading, &domain, &time)?;
     let data = Data::validate(reading, &domain, &time, contact.as_ref())?;
@@ -234,6 +235,7 @@ fn abstract_problem(reading: &mut Reading, dimension: usize) -> Result<Content> 
     reading.parameters = parameters(reading)?;
     let body = AbstractScene::validate(reading, time.horizon, dimension)?;
     needs_product_integration(reading, &time, body.singular_key())?;
+    needs_repeated_rule(reading, &time, body.nested_key())?;
     let predicts = predictions(reading, !body.traces.is_empty())?;
     for (index, prediction) in predicts.iter().enumerate() {
         prediction.only_in_time(reading, index)?;
@@ -545,6 +547,8 @@ const OF_BODIES: Tables = &[
     ("material.projection", "mu kappa"),
     ("material.region.*", "name where physical lambda mu_L E nu elasticity memory"),
     ("material.region.*.memory", MEMORY),
+    ("material.memory.terms.*", MEMORY_TERM),
+    ("material.region.*.memory.terms.*", MEMORY_TERM),
     ("contact", "bilateral gap shift law quadrature friction"),
     ("contact.friction", "bound"),
     ("discretization", "element"),
@@ -554,15 +558,16 @@ const OF_BODIES: Tables = &[
     ("sweep.reference", "n steps"),
 ];
 
-const MEMORY: &str = "kernel lambda mu bulk shear singular";
+const MEMORY: &str = "kernel lambda mu bulk shear singular terms";
+const MEMORY_TERM: &str = "kernel inner lambda mu";
 
 const OF_ABSTRACT: Tables = &[
     ("", "scene time space operator history phi trace exact sweep predicts"),
     ("space", "inner_product"),
     ("operator", "matrix nonlinear"),
     ("phi", "force"),
-    ("history", "kernels R a_S"),
-    ("history.kernels.*", "q singular matrix"),
+    ("history", "kernels R a_S start"),
+    ("history.kernels.*", "q singular matrix inner"),
     ("trace.*", "functional weight law upper lower"),
     ("exact", "u multiplier selection parameters define"),
     ("sweep", "steps"),
@@ -576,10 +581,14 @@ const WITH_KINDS: &[(&str, Kinds)] = &[
     ("material.memory.kernel", &KERNELS),
     ("material.memory.bulk", &KERNELS),
     ("material.memory.shear", &KERNELS),
+    ("material.memory.terms.*.kernel", &KERNELS),
+    ("material.memory.terms.*.inner", &KERNELS),
     ("material.region.*.elasticity", &TENSORS),
     ("material.region.*.memory.kernel", &KERNELS),
     ("material.region.*.memory.bulk", &KERNELS),
     ("material.region.*.memory.shear", &KERNELS),
+    ("material.region.*.memory.terms.*.kernel", &KERNELS),
+    ("material.region.*.memory.terms.*.inner", &KERNELS),
     ("contact.law", &LAWS),
     ("contact.friction.bound", &BOUNDS),
     ("trace.*.law", &LAWS),

@@ -112,6 +112,7 @@ fn rules() {
     for left in ["rule = \"left\"", "rule = { kind = \"left\" }"] {
         assert_eq!(rule(left), TimeRule::Left);
     }
+    assert_eq!(rule("rule = \"right\""), TimeRule::Right);
     assert_eq!(rule("rule = \"gregory\""), TimeRule::Gregory { order: 3 });
     let four = rule("rule = { kind = \"gregory\", order = 4 }");
     assert_eq!(four, TimeRule::Gregory { order: 4 });

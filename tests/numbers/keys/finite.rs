@@ -21,6 +21,7 @@ pub const TIES: &[Tie] = &[
         history,
     ),
     (&["abstract.history.kernels.singular"], singular),
+    (&["abstract.history.kernels.inner", "abstract.history.start"], inner),
     (&["abstract.phi.force"], force),
     (
         &[
@@ -137,6 +138,20 @@ fn singular() {
     near(kernel.row(1.0, &[0.75])[0], 5.0);
     near(kernel.power(), 0.5);
     near(kernel.factor(1.0, 1.0), 3.0);
+}
+
+/// r(s, τ) = s + 3 τ at s = 1, τ = 0.25, and where v begins.
+fn inner() {
+    let edits = [
+        ("q = \"t + 2*s\"", "q = \"t + 2*s\", inner = \"s + 3*tau\""),
+        ("a_S = [0.6, -0.7]", "a_S = [0.6, -0.7]\nstart = [0.8, -0.9]"),
+    ];
+    let setup = AbstractSetup::new(scene(&with(PROBLEM, &edits)));
+    let model = setup.unwrap_or_else(|error| panic!("{error}")).model;
+    near(model.kernels[0].kernel.at(1.0, 0.25), 1.5);
+    near(model.kernels[0].inner.as_ref().expect("an inner kernel").at(1.0, 0.25), 1.75);
+    near(model.start[0], 0.8);
+    near(model.start[1], -0.9);
 }
 
 /// N(y, u) = (2 · 3 + 0.1 · 5, 3 · 4) for y = (3, 4), u = (5, 6).

@@ -31,6 +31,24 @@ pub const TIES: &[Tie] = &[
         ],
         kernels,
     ),
+    (
+        &[
+            "material.memory.terms.kernel",
+            "material.memory.terms.inner",
+            "material.memory.terms.lambda",
+            "material.memory.terms.mu",
+        ],
+        terms,
+    ),
+    (
+        &[
+            "material.region.memory.terms.kernel",
+            "material.region.memory.terms.inner",
+            "material.region.memory.terms.lambda",
+            "material.region.memory.terms.mu",
+        ],
+        terms_of_a_region,
+    ),
     (&["material.projection.mu", "material.projection.kappa"], projection),
     (
         &[
@@ -173,6 +191,38 @@ fn singular() {
     let powers: Vec<f64> = setup.model.memory.iter().map(|term| term.kernel.power()).collect();
     assert_eq!(powers, [0.5, 0.25, 0.25]);
     near(setup.model.memory[0].kernel.factor(0.5), -(-1.0f64).exp());
+}
+
+const TERMS: &str = "[material.memory]\nterms = [{ kernel = \"-exp(-2*t)\", lambda = 0.35, mu = 0.15 }, { kernel = \"3*t\", inner = \"exp(-t)\", lambda = 0.2, mu = 0.3 }]\n";
+
+/// The q and r of a nested term at a lag.
+fn both(kernel: &dyn MemoryKernel, t: f64) -> [f64; 2] {
+    kernel.nested().expect("a history of a history").map(|kernel| kernel.value(t))
+}
+
+/// The second term is that of q = 3 t before ∫ e^{-(s-τ)} u(τ) dτ.
+fn terms() {
+    let setup = more(TERMS);
+    let [plain, nested] = &setup.model.memory[..] else { panic!("two terms") };
+    assert!(plain.kernel.nested().is_none());
+    near(plain.kernel.value(0.5), -(-1.0f64).exp());
+    all_near(plain.tensor.on(0).apply::<3>(&STRAIN), isotropic(0.35, 0.15), 1.0);
+    let [q, r] = both(&*nested.kernel, 0.5);
+    near(q, 1.5);
+    near(r, (-0.5f64).exp());
+    all_near(nested.tensor.on(0).apply::<3>(&STRAIN), isotropic(0.2, 0.3), 1.0);
+}
+
+fn terms_of_a_region() {
+    let term = "{ kernel = \"2*t\", inner = \"exp(-3*t)\", lambda = 0.55, mu = 0.05 }";
+    let region = format!("{REGION}lambda = 0.4\nmu_L = 1.3\nmemory = {{ terms = [{term}] }}");
+    let setup = more(&format!("{TERMS}{region}"));
+    let nested = &setup.model.memory[2];
+    let [q, r] = both(&*nested.kernel, 0.5);
+    near(q, 1.0);
+    near(r, (-1.5f64).exp());
+    all_near(nested.tensor.on(1).apply::<3>(&STRAIN), isotropic(0.55, 0.05), 1.0);
+    all_near(nested.tensor.on(0).apply::<3>(&STRAIN), [0.0; 3], 1.0);
 }
 
 fn kernels() {

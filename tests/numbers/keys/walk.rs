@@ -28,6 +28,8 @@ kind = "full"
 lambda = 1.0
 [material.memory.kernel]
 kind = "prony"
+[[material.memory.terms]]
+lambda = 1.0
 [material.projection]
 mu = 1.0
 kappa = "1"
@@ -36,6 +38,8 @@ name = "part"
 [material.region.elasticity]
 kind = "full"
 [material.region.memory]
+lambda = 1.0
+[[material.region.memory.terms]]
 lambda = 1.0
 [contact]
 quadrature = "vertex"

@@ -15,6 +15,7 @@ mod load;
 mod material;
 mod measurement;
 mod memory;
+mod nested;
 mod other_norms;
 mod paths;
 mod projection;
@@ -222,6 +223,7 @@ pub fn all() -> Vec<Defect> {
     list.extend(paths::defects());
     list.extend(singular::defects());
     list.extend(abstract_problem::defects());
+    list.extend(nested::defects());
     list.extend(measurement::defects());
     list.extend(other_norms::defects());
     list.extend(records::defects());

@@ -236,7 +236,8 @@ fn on_side(exact: &Exact, side: &SideOfBox) -> Vec<OnContact> {
 
 /// max |b''| by second differences, of each term of the memory.
 fn kernels(exact: &Exact) -> impl Iterator<Item = Finding> {
-    exact.data.kernels.iter().map(|&node| {
+    let inner = exact.data.inner.iter().map(|(_, node)| node);
+    exact.data.kernels.iter().chain(inner).map(|&node| {
         let at = |t: f64| EvaluationPoint { t, ..EvaluationPoint::default() };
         let value = |t: f64| exact.data.graph.evaluate(node, &at(t));
         second_difference("B in C2[0,T]", "the kernel", exact.data.horizon, value)

@@ -4,10 +4,8 @@ use std::sync::Arc;
 
 use super::friction_law::{Friction, OnContactInTime};
 use crate::space::Element;
-use vhi::history::{TimeGrid, TimeRule};
-use vhi::law::{
-    AnyProjection, Convolution, MemoryKernel, Potential, Projection, Scaled, TensorField,
-};
+use vhi::history::{TimeGrid, TimeRule, last_weight};
+use vhi::law::{AnyProjection, MemoryKernel, Potential, Projection, Scaled, TensorField};
 
 /// A term ∫_0^t b(t - s) ℬ₀ ε(u(s)) ds of the memory.
 pub struct MemoryTerm {
@@ -122,9 +120,8 @@ impl Model {
 
     /// Weights of the last slot of level n, one per term of the memory.
     pub(crate) fn last_weights(&self, grid: &TimeGrid, n: usize) -> impl Iterator<Item = f64> {
-        let weight = move |term: &MemoryTerm| {
-            self.time_rule.kernel_weight(&Convolution(&*term.kernel), grid, n, n)
-        };
+        let weight =
+            move |term: &MemoryTerm| last_weight(&*term.kernel, self.time_rule.as_ref(), grid, n);
         self.memory.iter().map(weight)
     }
 

@@ -298,6 +298,10 @@ fn is_uniform(setup: &Setup) -> bool {
 /// For a kernel that is infinite at lag zero, the factor of its power.
 fn kernels(setup: &Setup, grid: &TimeGrid) -> Result<Array, CaseError> {
     let (terms, levels) = (&setup.model.memory, grid.steps() + 1);
+    if terms.iter().any(|term| term.kernel.nested().is_some()) {
+        let reason = "the memory has a history of a history, and kernels.npy has room for one kernel a term: take a scene without `inner`";
+        return Err(CaseError::Outside(reason.into()));
+    }
     if is_uniform(setup) {
         let values =
             terms.iter().flat_map(|term| grid.times().iter().map(|&t| term.kernel.factor(t)));

@@ -26,8 +26,8 @@ use algebra::linalg::axpy;
 use fem::contact::{CaseError, CaseInfo, Discretization, Model, Observer, StepView, strain_norm};
 use files::{remove_if_there, shortened};
 use scene::setup::{MeshData, Scheme, Setup};
-use vhi::history::{Accumulated, Memory, TimeGrid};
-use vhi::law::{Convolution, Projection};
+use vhi::history::{Accumulated, Memory, TimeGrid, last_weight};
+use vhi::law::Projection;
 
 /// How a case gets its answer.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -169,7 +169,7 @@ fn show(
         let nodal: Vec<f64> = vertices.flat_map(|at| level[at..at + d].iter().copied()).collect();
         for ((memory, term), sum) in memory.iter_mut().zip(&model.memory).zip(&mut history) {
             memory.past(&*term.kernel, rule, grid, sum);
-            axpy(rule.kernel_weight(&Convolution(&*term.kernel), grid, n, n), &nodal, sum);
+            axpy(last_weight(&*term.kernel, rule, grid, n), &nodal, sum);
             memory.commit(grid, &nodal);
         }
         let strain_norm = strain_norm(space, &nodal);

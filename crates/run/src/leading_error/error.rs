@@ -33,6 +33,8 @@ pub enum NoConstant {
     /// The rule's weights depend on the kernel.
     #[error("the time rule weighs the kernel in a way of its own")]
     Rule,
+    #[error("a history of a history in a body has no predicted constant: abstract scenes have one")]
+    Nested,
     #[error("the linearised problem is singular at t = {t}")]
     Singular { t: f64 },
     #[error(transparent)]

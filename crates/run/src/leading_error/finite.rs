@@ -28,10 +28,16 @@ pub(super) fn largest_error(
     times: &[f64],
 ) -> Result<f64, NoConstant> {
     let problem = Linearised::new(setup);
-    let of_kernel = |kernel: &Kernel| Weights::of_kernel(setup.scene.time.rule, kernel.power);
-    let weights = problem.kernels.iter().map(of_kernel).collect::<Result<Vec<_>, _>>()?;
     let m = problem.matrix.nrows();
-    let mut sums = Sums::new(weights, &problem.kernels, times, m);
+    let of_one = |kernel: &Kernel| {
+        let weights = Weights::of_kernel(setup.scene.time.rule, kernel.power)?;
+        Ok(Sums::new(vec![weights], std::slice::from_ref(kernel), times, m))
+    };
+    let mut sums = problem.kernels.iter().map(of_one).collect::<Result<Vec<_>, _>>()?;
+    let inner = problem.inner.iter().map(|inner| inner.as_ref().map(of_one).transpose());
+    let mut inner = inner.collect::<Result<Vec<_>, NoConstant>>()?;
+    let asked = (norm == Norm::DisplacementMax).then_some(&problem.one);
+    let mut displacement = asked.map(of_one).transpose()?;
     let exact = |times: &[f64]| -> Vec<Vec<f64>> {
         let places: Vec<[f64; 3]> = times.iter().map(|&s| [s, 0.0, 0.0]).collect();
         let mut values = vec![Vec::new(); m];
@@ -44,10 +50,34 @@ pub(super) fn largest_error(
         let state = setup.state(t);
         let [mut sum, mut of_exact] = [(); 2].map(|()| problem.constant.clone());
         let (mut past, mut present) = (DVector::zeros(m), DMatrix::zeros(m, m));
+        // v_n of the exact u and the error of v_n as far as it is known, and the weight of u_n in it.
+        let known = inner.iter().map(|sums| {
+            let ([mut v, of_errors], slot) =
+                (sums.as_ref()?.before(0), sums.as_ref()?.current_weight(0));
+            axpy(slot, &state.u, &mut v);
+            axpy(1.0, &setup.problem.start, &mut v);
+            Some((v, of_errors, slot))
+        });
+        let known: Vec<_> = known.collect();
         for (l, (kernel, matrix)) in problem.kernels.iter().zip(&problem.matrices).enumerate() {
-            let ([mut discrete, of_errors], weight) = (sums.before(l), sums.current_weight(l));
-            axpy(weight, &state.u, &mut discrete);
-            let integral = kernel.integral(t, &kinks, &discrete, exact);
+            let ([mut discrete, mut of_errors], mut weight) =
+                (sums[l].before(0), sums[l].current_weight(0));
+            let integral = match (&known[l], &problem.inner[l]) {
+                (Some((v, errors, slot)), Some(within)) => {
+                    axpy(weight, v, &mut discrete);
+                    axpy(weight, errors, &mut of_errors);
+                    weight *= slot;
+                    let v = |times: &[f64]| {
+                        let at = |&s: &f64| within.history(s, &kinks, &setup.problem.start, exact);
+                        times.iter().map(at).collect()
+                    };
+                    kernel.integral(t, &kinks, &discrete, v)
+                }
+                _ => {
+                    axpy(weight, &state.u, &mut discrete);
+                    kernel.integral(t, &kinks, &discrete, exact)
+                }
+            };
             of_exact += matrix * DVector::from_vec(integral);
             sum += matrix * DVector::from_vec(discrete);
             past += matrix * DVector::from_vec(of_errors);
@@ -62,9 +92,34 @@ pub(super) fn largest_error(
             problem.solve(tangent, right, &state).ok_or(NoConstant::Singular { t })?;
         largest = largest.max(match norm {
             Norm::PressureL2Max => pressure,
+            Norm::DisplacementMax => {
+                let [mut sum, mut off] = [(); 2].map(|()| vec![0.0; m]);
+                let mut weight = 0.0;
+                if let Some(sums) = &displacement {
+                    ([sum, off], weight) = (sums.before(0), sums.current_weight(0));
+                }
+                axpy(weight, &state.u, &mut sum);
+                axpy(weight, error.as_slice(), &mut off);
+                let integral = problem.one.integral(t, &kinks, &sum, exact);
+                // Both errors are discrete less exact.
+                axpy(1.0, &sum, &mut off);
+                axpy(-1.0, &integral, &mut off);
+                problem.norm(&DVector::from_vec(off))
+            }
             _ => problem.norm(&error),
         });
-        sums.advance([state.u.clone(), error.as_slice().to_vec()]);
+        let levels = [state.u.clone(), error.as_slice().to_vec()];
+        for (sums, known) in sums.iter_mut().zip(known) {
+            sums.advance(match known {
+                Some((v, mut errors, slot)) => {
+                    axpy(slot, &levels[1], &mut errors);
+                    [v, errors]
+                }
+                None => levels.clone(),
+            });
+        }
+        inner.iter_mut().flatten().for_each(|sums| sums.advance(levels.clone()));
+        displacement.iter_mut().for_each(|sums| sums.advance(levels.clone()));
     }
     Ok(largest)
 }
@@ -76,6 +131,10 @@ struct Linearised<'a> {
     r: DMatrix<f64>,
     constant: DVector<f64>,
     kernels: Vec<Kernel>,
+    /// r_l of the nested terms.
+    inner: Vec<Option<Kernel>>,
+    /// q = 1.
+    one: Kernel,
     /// Q_l.
     matrices: Vec<DMatrix<f64>>,
     /// u(x).
@@ -101,6 +160,12 @@ impl<'a> Linearised<'a> {
                 (kernel, rows(&written.matrix))
             })
             .unzip();
+        let inner = problem
+            .kernels
+            .iter()
+            .map(|written| written.inner.map(|r| Kernel::new(&mut graph, 0.0, r, horizon)));
+        let inner = inner.collect();
+        let one = Kernel::one(&mut graph, horizon);
         let s = graph.variable(Variable::X);
         let u = problem.u.iter().map(|&u| graph.substitute(u, Variable::T, s));
         let u: Vec<Node> = u.collect();
@@ -120,6 +185,8 @@ impl<'a> Linearised<'a> {
             constant: DVector::from_column_slice(&problem.a_s),
             laws: setup.exact.laws(),
             kernels,
+            inner,
+            one,
             matrices,
             u,
             nonlinear,

@@ -235,6 +235,9 @@ fn time_errors<const S: usize>(
     in_space: bool,
 ) -> Result<Vec<(Case, f64, Largest)>, NoConstant> {
     let (rule, memory) = (setup.scene.time.rule, &setup.body.material.memory);
+    if memory.iter().any(|term| term.inner.is_some()) {
+        return Err(NoConstant::Nested);
+    }
     let body = in_space::InSpace::<S>::new(exact.clone(), space, rule, memory);
     if in_space && !body.holds_the_solution(setup.scene.time.horizon) {
         return Err(NoConstant::NotInSpace);

@@ -74,6 +74,33 @@ impl Kernel {
         })
     }
 
+    /// start + ∫_0^s q(s,τ) u(τ) dτ of a kernel without a power, by Gauss points between uniform cuts and kinks.
+    pub(super) fn history(
+        &self,
+        s: f64,
+        kinks: &[f64],
+        start: &[f64],
+        u: impl Fn(&[f64]) -> Vec<Vec<f64>>,
+    ) -> Vec<f64> {
+        let mut v = start.to_vec();
+        if s > 0.0 {
+            let (mut times, mut weights) = (Vec::new(), Vec::new());
+            for ends in cuts(s, kinks).windows(2) {
+                let half = 0.5 * (ends[1] - ends[0]);
+                for (x, weight) in gauss_legendre(POINTS[0]) {
+                    times.push(0.5 * (ends[0] + ends[1]) + half * x);
+                    weights.push(half * weight);
+                }
+            }
+            let mut factors = [Vec::new()];
+            self.at_times(&times).evaluate(s, 0.0, &mut factors);
+            for ((u, q), weight) in u(&times).iter().zip(&factors[0]).zip(weights) {
+                algebra::linalg::axpy(q * weight, u, &mut v);
+            }
+        }
+        v
+    }
+
     /// Whether sums are recomputed over all earlier levels.
     pub(super) fn is_direct(&self) -> bool {
         self.exponentials.is_none()
@@ -345,6 +372,8 @@ pub(super) enum Weights {
     Trapezoid,
     /// The step after t_j.
     Left,
+    /// The step before t_j.
+    Right,
     /// Gregory's rule of this order, on equal steps.
     Gregory(&'static Table),
     /// The weights of v interpolated linearly and integrated against (t - s)^{-a}.
@@ -396,6 +425,7 @@ impl Weights {
         match rule {
             TimeRule::Trapezoid => Ok(Self::Trapezoid),
             TimeRule::Left => Ok(Self::Left),
+            TimeRule::Right => Ok(Self::Right),
             TimeRule::Gregory { order: 3 } => Ok(Self::Gregory(&THREE)),
             TimeRule::Gregory { .. } => Ok(Self::Gregory(&FOUR)),
             _ => Err(NoConstant::Rule),
@@ -427,6 +457,7 @@ impl Weights {
         match self {
             Self::Trapezoid => 0.5 * (before + after),
             Self::Left => after,
+            Self::Right => before,
             Self::Gregory(table) => {
                 table.at(n, j) * times[times.len() - 1] / (times.len() - 1) as f64
             }
@@ -729,6 +760,8 @@ mod tests {
                 assert!((sum(Weights::Left, 0.0) - times[n]).abs() < 1e-15);
                 let missed: f64 = times[..=n].windows(2).map(|k| 0.5 * (k[1] - k[0]).powi(2)).sum();
                 assert!((sum(Weights::Left, 1.0) + missed - line).abs() < 1e-15);
+                assert!((sum(Weights::Right, 0.0) - times[n]).abs() < 1e-15);
+                assert!((sum(Weights::Right, 1.0) - missed - line).abs() < 1e-15);
             }
             let times: Vec<f64> = (0..12).map(|j| 0.25 * f64::from(j)).collect();
             for (rule, degree) in [(Weights::Gregory(&THREE), 1), (Weights::Gregory(&FOUR), 3)] {

@@ -176,7 +176,7 @@ impl CaseFloors {
 /// The floor of a norm; unknown for contact sets.
 pub fn floor_in(floors: &Floors, norm: Norm) -> f64 {
     match norm {
-        Norm::VMax | Norm::VTimeMax | Norm::VProjectionMax => floors.v,
+        Norm::VMax | Norm::VTimeMax | Norm::DisplacementMax | Norm::VProjectionMax => floors.v,
         Norm::L2Max => floors.l2,
         Norm::StressL2Max => floors.stress,
         Norm::TraceL2Max | Norm::TraceMax(_) => floors.trace,
@@ -239,6 +239,10 @@ pub fn run_abstract_under(
     let measured = |norm: &Norm| {
         let of_run = |run: &AbstractRun| match norm {
             Norm::PressureL2Max => (run.pressure_error, run.info.pressure_floor),
+            // The weights of a sum add up to T at most.
+            Norm::DisplacementMax => {
+                (run.displacement_error, setup.scene.time.horizon * run.info.floor)
+            }
             _ => (run.error, run.info.floor),
         };
         let (error, floor) = run.as_ref().map(of_run).unzip();
@@ -272,7 +276,7 @@ mod tests {
         let floors = CaseFloors { solver, quadrature, share: 0.1 };
         for norm in Norm::all() {
             let expected = match norm.name() {
-                "V_max" | "V_projection_max" => 12.0,
+                "V_max" | "displacement_max" | "V_projection_max" => 12.0,
                 "L2_max" => 23.0,
                 "stress_L2_max" => 34.0,
                 name if name.starts_with("trace_") => 45.0,

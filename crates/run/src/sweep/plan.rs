@@ -231,13 +231,17 @@ pub(super) fn norms(scene: &Scene, n: Option<u32>) -> Vec<Norm> {
     };
     let body = match &scene.body {
         Body::Contact(body) => body,
-        Body::Abstract(problem) if problem.traces.is_empty() => return vec![Norm::VMax],
-        Body::Abstract(_) => return vec![Norm::VMax, Norm::PressureL2Max],
+        Body::Abstract(problem) => {
+            let mut norms = vec![Norm::VMax];
+            norms.extend((!problem.traces.is_empty()).then_some(Norm::PressureL2Max));
+            norms.extend(asked(Norm::DisplacementMax).then_some(Norm::DisplacementMax));
+            return norms;
+        }
     };
     let on_contact = body.contact.as_ref().is_some_and(|c| c.gap.is_some() || c.law.is_some());
     Norm::all()
         .filter(|&norm| match norm {
-            Norm::VTimeMax | Norm::VProjectionMax => asked(norm),
+            Norm::VTimeMax | Norm::VProjectionMax | Norm::DisplacementMax => asked(norm),
             _ if norm.needs_contact() && !on_contact => false,
             _ if norm.by_state() => asked(norm) || by_state,
             _ => listed.is_none() || asked(norm),

@@ -3,7 +3,7 @@
 use super::regularity::abstract_claims;
 use super::{Result, potential};
 use crate::memory::in_the_largest;
-use crate::{AbstractScene, Body, Hypothesis, Law, Scene};
+use crate::{AbstractScene, Body, Hypothesis, Law, Norm, Scene};
 use algebra::linalg::larger;
 use exact::{ByTime, FiniteData, FiniteExact, FiniteState, FiniteTrace};
 use files::digits;
@@ -81,12 +81,22 @@ impl AbstractSetup {
         solver: &dyn StepSolver,
     ) -> Result<AbstractRun, FiniteError> {
         let mut run = AbstractRun::default();
+        let (grid, mut levels) = (self.grid(steps), Vec::new());
+        let wanted = self.scene.predicts.iter().any(|p| p.norm == Norm::DisplacementMax);
         let mut observe = |view: &FiniteView<'_>| {
             let begin = Instant::now();
             let exact = self.state(view.t);
             run.seconds_truth += begin.elapsed().as_secs_f64();
             let u = DVector::from_column_slice(&exact.u);
             run.error = larger(run.error, self.model.norm(&(u - view.u)));
+            if wanted {
+                levels.push(view.u.clone());
+                let mut off = &self.model.start - DVector::from_vec(self.exact.integral(view.t));
+                for (j, u) in levels.iter().enumerate() {
+                    off.axpy(self.model.time_rule.weight(&grid, view.n, j), u, 1.0);
+                }
+                run.displacement_error = larger(run.displacement_error, self.model.norm(&off));
+            }
             let pressures = exact.selection.iter().zip(&exact.multiplier).zip(view.pressure);
             let squares = pressures
                 .zip(&self.problem.traces)
@@ -96,7 +106,6 @@ impl AbstractSetup {
             run.history = view.history.as_slice().to_vec();
             run.pressure = view.pressure.to_vec();
         };
-        let grid = self.grid(steps);
         let info = march(&self.model, &grid, load, solver, &mut observe)?;
         Ok(AbstractRun { info, ..run })
     }
@@ -180,6 +189,8 @@ pub struct AbstractRun {
     pub error: f64,
     /// max_n (Σ w_i (p_i(t_n) - p_i,n^k)²)^½ of the pressures p = ξ + λ.
     pub pressure_error: f64,
+    /// max_n ‖U(t_n) - U_n‖_X, U = start + ∫ u and by the scene's rule; 0 unless a prediction asks for it.
+    pub displacement_error: f64,
     /// u_N.
     pub u: Vec<f64>,
     /// S_N^k u.
@@ -278,12 +289,11 @@ fn model(scene: &Scene, problem: &AbstractScene) -> FiniteModel {
             .collect()
     };
     let (nonlinear, force) = (derivatives(&problem.nonlinear), derivatives(&problem.force));
-    let programs: Vec<Program> = problem
-        .kernels
-        .iter()
-        .map(|kernel| Program::compile(&graph, &[kernel.q], scene.time.horizon))
-        .collect();
     let graph = Arc::new(graph);
+    let kernel = |node: Node, power: f64| -> Box<dyn HistoryKernel + Send + Sync> {
+        let program = Program::compile(&graph, &[node], scene.time.horizon);
+        Box::new(FormulaKernel { graph: graph.clone(), node, program, power })
+    };
     let components = |nodes: &[[Node; 3]]| -> Vec<Box<dyn ComponentLaw>> {
         nodes
             .iter()
@@ -300,19 +310,15 @@ fn model(scene: &Scene, problem: &AbstractScene) -> FiniteModel {
         kernels: problem
             .kernels
             .iter()
-            .zip(programs)
-            .map(|(kernel, program)| FiniteKernel {
-                kernel: Box::new(FormulaKernel {
-                    graph: graph.clone(),
-                    node: kernel.q,
-                    program,
-                    power: kernel.power,
-                }),
-                matrix: dense(&kernel.matrix),
+            .map(|written| FiniteKernel {
+                kernel: kernel(written.q, written.power),
+                inner: written.inner.map(|r| kernel(r, 0.0)),
+                matrix: dense(&written.matrix),
             })
             .collect(),
         r: dense(&problem.r),
         a_s: DVector::from_column_slice(&problem.a_s),
+        start: DVector::from_column_slice(&problem.start),
         force: components(&force),
         functionals: problem
             .traces
@@ -338,6 +344,7 @@ fn exact(scene: &Scene, problem: &AbstractScene) -> Result<FiniteExact, exact::U
         kernels: problem.kernels.clone(),
         r: problem.r.clone(),
         a_s: problem.a_s.clone(),
+        start: problem.start.clone(),
         force: problem.force.clone().unwrap_or_default(),
         traces: problem
             .traces
@@ -388,6 +395,8 @@ pub struct AbstractConstants {
     pub destabilizing: f64,
     /// a of the terms (t - s)^{-a} b(t, s); 0 without one.
     pub power: f64,
+    /// The same three of the terms with an inner kernel, for ‖r‖ q(t, s) and q(t, t) r(t, t) in place of q.
+    pub nested: KernelNorms,
     /// ‖b‖, ‖b(t, t)‖ and what b can take, likewise.
     pub b_norm: f64,
     pub b_norm_now: f64,
@@ -400,6 +409,15 @@ impl AbstractConstants {
     /// The bounds on the step size.
     pub fn step_bounds(&self, rule: &dyn TimeRule) -> StepBounds {
         let (lipschitz, now) = (self.r_norm * self.q_norm, self.r_norm * self.q_norm_now);
+        // A nested term has the last weight w_nn².
+        let (power, share, norms) = match self.nested.all > 0.0 {
+            true => (-1.0, rule.last_share().powi(2), self.nested),
+            false => {
+                let (all, now) = (self.b_norm, self.b_norm_now);
+                let norms = KernelNorms { all, now, destabilizing: self.b_destabilizing };
+                (self.power, rule.last_weight(self.power, 1.0), norms)
+            }
+        };
         StepBounds {
             m0: self.m0,
             beta_phi: self.beta_phi,
@@ -409,12 +427,12 @@ impl AbstractConstants {
             destabilizing: self.destabilizing,
             last_share: rule.last_share(),
             singular: SingularSlot {
-                power: self.power,
-                share: rule.last_weight(self.power, 1.0),
-                lipschitz: self.r_norm * self.b_norm,
-                paper_lipschitz: self.r_norm * self.b_norm,
-                last_slot: self.beta_phi * self.r_norm * self.b_norm_now,
-                destabilizing: self.b_destabilizing,
+                power,
+                share,
+                lipschitz: self.r_norm * norms.all,
+                paper_lipschitz: self.r_norm * norms.all,
+                last_slot: self.beta_phi * self.r_norm * norms.now,
+                destabilizing: norms.destabilizing,
             },
         }
     }
@@ -497,16 +515,21 @@ pub(crate) fn abstract_constants(
         let last = to_dual(&(&by_y * &model.r * matrix));
         [to_dual(matrix), 0.5 * (&last + last.transpose())]
     });
-    if let Some((l, t)) = kernels.unbounded() {
-        let message = format!("q(t, s) has no bound near t = {t:.6}");
+    if let Some((l, key, t)) = kernels.unbounded() {
+        let of = if key == "q" {
+            "q(t, s) has no bound near t"
+        } else {
+            "r(s, tau) has no bound near s"
+        };
+        let message = format!("{of} = {t:.6}");
         let hint = "a kernel must be continuous for 0 <= s <= t <= T; exp(s - t) is an example";
-        return Err(scene.error(&format!("history.kernels.{l}.q"), message, hint).into());
+        return Err(scene.error(&format!("history.kernels.{l}.{key}"), message, hint).into());
     }
     let with_phi = |norms: KernelNorms| match linear {
         true => norms,
         false => KernelNorms { destabilizing: beta_phi * r_norm * norms.now, ..norms },
     };
-    let plain = with_phi(kernels.norms(0.0));
+    let (plain, nested) = (with_phi(kernels.norms(0.0)), with_phi(kernels.norms(NESTED)));
     let powers = in_the_largest(problem.kernels.iter().map(|kernel| kernel.power), horizon);
     let (power, singular) =
         powers.into_iter().fold((0.0, KernelNorms::default()), |(_, sum), (power, scale)| {
@@ -530,6 +553,7 @@ pub(crate) fn abstract_constants(
         q_norm: plain.all,
         q_norm_now: plain.now,
         destabilizing: plain.destabilizing,
+        nested,
         power,
         b_norm: singular.all,
         b_norm_now: singular.now,
@@ -576,7 +600,10 @@ const FEWEST_BOXES: usize = 256;
 const MOST_BOXES: usize = 4096;
 const TOLERANCE: f64 = 1e-3;
 
-/// One term (t - s)^{-a} b_l(t, s) Q_l.
+/// The power of nested terms: their last weight is of order k^{1-a} = k².
+const NESTED: f64 = -1.0;
+
+/// One term (t - s)^{-a} b_l(t, s) Q_l. For a nested one b_l is ‖r_l‖ q_l(t, s), and q_l(t, t) r_l(t, t) for s = t.
 struct Term {
     power: f64,
     /// b_l with s = σ t, in T and Y = σ, so that 0 ≤ s ≤ t is a box, and b_l with s = t.
@@ -591,12 +618,14 @@ struct Term {
 pub(super) struct KernelBounds {
     graph: Graph,
     terms: Vec<Term>,
+    /// The first inner kernel without a bound, and a time near which there is none.
+    odd: Option<(usize, f64)>,
     horizon: f64,
 }
 
 /// Bounds for the terms with one power.
-#[derive(Clone, Copy, Default)]
-pub(super) struct KernelNorms {
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct KernelNorms {
     /// max ‖Σ b_l(t, s) Q_l‖.
     pub all: f64,
     /// max ‖Σ b_l(t, t) Q_l‖.
@@ -620,23 +649,38 @@ impl KernelBounds {
         graph.collect();
         let (t, share) = (graph.variable(Variable::T), graph.variable(Variable::Y));
         let part = graph.mul(share, t);
-        let kernels = problem.kernels.iter().enumerate();
-        let terms = kernels
-            .map(|(l, kernel)| {
-                let [matrix, symmetric] = matrices(l);
-                let at_share = graph.substitute(kernel.q, Variable::X, part);
-                let now = graph.substitute(kernel.q, Variable::X, t);
-                Term { power: kernel.power, at_share, now, matrix, symmetric }
-            })
-            .collect();
-        Self { graph, terms, horizon }
+        let (mut terms, mut odd) = (Vec::new(), None);
+        for (l, kernel) in problem.kernels.iter().enumerate() {
+            let [matrix, symmetric] = matrices(l);
+            let mut at_share = graph.substitute(kernel.q, Variable::X, part);
+            let mut now = graph.substitute(kernel.q, Variable::X, t);
+            if let Some(r) = kernel.inner {
+                let (r_at_share, r_now) =
+                    (graph.substitute(r, Variable::X, part), graph.substitute(r, Variable::X, t));
+                let found =
+                    over_triangle(&graph, horizon, &[r_at_share], Effort::FORMULA, |r| r[0].abs());
+                if !found.bound.is_finite() {
+                    odd = odd.or(Some((l, found.part[0].low)));
+                }
+                let most = graph.constant(found.bound);
+                at_share = graph.mul(most, at_share);
+                now = graph.mul(now, r_now);
+            }
+            let power = if kernel.inner.is_some() { NESTED } else { kernel.power };
+            terms.push(Term { power, at_share, now, matrix, symmetric });
+        }
+        Self { graph, terms, odd, horizon }
     }
 
-    /// The first kernel without a bound, and a t near which there is none.
-    pub(super) fn unbounded(&self) -> Option<(usize, f64)> {
+    /// The first kernel without a bound, its key, and a t near which there is none.
+    pub(super) fn unbounded(&self) -> Option<(usize, &'static str, f64)> {
+        if let Some((l, s)) = self.odd {
+            return Some((l, "inner", s));
+        }
         let one = |term: &Term| self.over_triangle(std::slice::from_ref(&term), |b| b[0].abs());
         let found = self.terms.iter().map(one);
-        found.enumerate().find(|(_, f)| !f.bound.is_finite()).map(|(l, f)| (l, f.part[0].low))
+        let odd = found.enumerate().find(|(_, f)| !f.bound.is_finite());
+        odd.map(|(l, f)| (l, "q", f.part[0].low))
     }
 
     /// The norms of the terms with this power.
@@ -685,13 +729,8 @@ impl KernelBounds {
         terms: &[&Term],
         value: impl Fn(&[Interval]) -> Interval,
     ) -> Extreme<2> {
-        let mut factors: Vec<Enclosing> =
-            terms.iter().map(|term| self.graph.enclosing(term.at_share)).collect();
-        let whole = [Interval::new(0.0, self.horizon), Interval::new(0.0, 1.0)];
-        largest(whole, Self::effort(terms), |&[t, share]| {
-            let place = Place::origin().with(Variable::T, t).with(Variable::Y, share);
-            within(&mut factors, &place).map_or(Interval::ALL, |b| value(&b))
-        })
+        let factors: Vec<Node> = terms.iter().map(|term| term.at_share).collect();
+        over_triangle(&self.graph, self.horizon, &factors, Self::effort(terms), value)
     }
 
     fn over_diagonal(
@@ -706,6 +745,22 @@ impl KernelBounds {
             within(&mut factors, &place).map_or(Interval::ALL, |b| value(&b))
         })
     }
+}
+
+/// The largest value over 0 ≤ s = σt ≤ t ≤ T of a function of factors in T and Y = σ.
+fn over_triangle(
+    graph: &Graph,
+    horizon: f64,
+    factors: &[Node],
+    effort: Effort,
+    value: impl Fn(&[Interval]) -> Interval,
+) -> Extreme<2> {
+    let mut factors: Vec<Enclosing> = factors.iter().map(|&b| graph.enclosing(b)).collect();
+    let whole = [Interval::new(0.0, horizon), Interval::new(0.0, 1.0)];
+    largest(whole, effort, |&[t, share]| {
+        let place = Place::origin().with(Variable::T, t).with(Variable::Y, share);
+        within(&mut factors, &place).map_or(Interval::ALL, |b| value(&b))
+    })
 }
 
 /// The ranges of the factors, if all are bounded.

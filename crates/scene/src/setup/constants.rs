@@ -201,7 +201,11 @@ impl Constants {
             last_share: rule.last_share(),
             singular: SingularSlot {
                 power: self.singular.0,
-                share: rule.last_weight(self.singular.0, 1.0),
+                // A history of a history has the last weight w_nn².
+                share: match self.singular.0 < 0.0 {
+                    true => rule.last_share().powi(2),
+                    false => rule.last_weight(self.singular.0, 1.0),
+                },
                 lipschitz: self.singular.1.operator,
                 paper_lipschitz: self.singular.1.entries,
                 last_slot: self.by_region(|region, share| share.sqrt() * region.singular.at_zero),
@@ -430,21 +434,30 @@ pub(super) struct Memory {
 }
 
 impl Memory {
-    /// The terms of ℬ with t^{-power} in their kernels, without it.
+    /// The terms of ℬ with t^{-power} in their kernels, without it; for [`NESTED`] the histories of histories, with the
+    /// kernel ±max |r| q, of the sign of r(0).
     pub(super) fn of_power(setup: &Setup, power: f64) -> Self {
         let mut graph = setup.scene.formulas.clone();
         let material = &setup.body.material;
-        let factor = |memory: &RelaxationTerm| match memory.singular {
-            None => (power == 0.0).then_some(memory.kernel),
-            Some(singular) => (power == singular.power).then_some(singular.factor),
+        let over = Interval::new(0.0, setup.scene.time.horizon);
+        let mut factor = |memory: &RelaxationTerm| match (memory.singular, memory.inner) {
+            (None, Some(r)) => (power == NESTED).then(|| {
+                let most = graph.largest_modulus(r, Variable::T, over).bound;
+                let now = graph.evaluate(r, &EvaluationPoint::default());
+                let most = graph.constant(most.copysign(now));
+                graph.mul(most, memory.kernel)
+            }),
+            (None, None) => (power == 0.0).then_some(memory.kernel),
+            (Some(singular), _) => (power == singular.power).then_some(singular.factor),
         };
+        let factors: Vec<Option<Node>> = material.memory.iter().map(&mut factor).collect();
         let of_region = |region: usize| {
             let lame = |memory: &RelaxationTerm| match region {
                 0 => [memory.lambda, memory.mu],
                 named => memory.regions[named - 1],
             };
-            let terms = material.memory.iter();
-            terms.filter_map(|memory| Some((factor(memory)?, lame(memory)))).collect::<Vec<_>>()
+            let terms = material.memory.iter().zip(&factors);
+            terms.filter_map(|(memory, b)| Some(((*b)?, lame(memory)))).collect::<Vec<_>>()
         };
         let regions = (0..=material.regions.len())
             .map(|region| OfRegion::new(&mut graph, &of_region(region), setup.scene.dimension))
@@ -517,10 +530,16 @@ pub(super) fn plain_norms(setup: &Setup) -> Vec<MemoryNorms> {
     Memory::of_power(setup, 0.0).norms(setup.scene.time.horizon)
 }
 
+/// In place of a power, of histories of histories: their last weight is of order k² = k^{1-a}.
+const NESTED: f64 = -1.0;
+
 /// The largest power a, and the norms of all terms that are infinite at t = 0 as terms t^{-a} C(t), on each region.
 pub(super) fn singular_norms(setup: &Setup) -> (f64, Vec<MemoryNorms>) {
-    let terms = setup.body.material.memory.iter().filter_map(|term| term.singular);
     let horizon = setup.scene.time.horizon;
+    if setup.body.material.memory.iter().any(|term| term.inner.is_some()) {
+        return (NESTED, Memory::of_power(setup, NESTED).norms(horizon));
+    }
+    let terms = setup.body.material.memory.iter().filter_map(|term| term.singular);
     let powers = in_the_largest(terms.map(|singular| singular.power), horizon);
     let none = vec![MemoryNorms::default(); setup.body.material.regions.len() + 1];
     powers.into_iter().fold((0.0, none), |(_, mut sums), (power, scale)| {

@@ -9,7 +9,9 @@ use fem::contact::MemoryTerm;
 use fem::mesh::Mesh;
 use files::digits;
 use formula::Graph;
-use vhi::law::{ExponentialSum, FourthOrder, Isotropic, MemoryKernel, Singular, TensorField};
+use vhi::law::{
+    ExponentialSum, FourthOrder, Isotropic, MemoryKernel, Nested, Singular, TensorField,
+};
 
 /// 𝒜.
 pub fn elasticity(material: &Material) -> TensorField {
@@ -27,7 +29,7 @@ pub fn memory_tensor(memory: &RelaxationTerm) -> TensorField {
 /// The terms of ℬ for the solver: recursion for sums of exponentials.
 pub(super) fn memory_terms(material: &Material, formulas: &Arc<Graph>) -> Vec<MemoryTerm> {
     let formula = |node| Box::new(KernelFormula { graph: formulas.clone(), node });
-    let kernel = |memory: &RelaxationTerm| match (&memory.exponentials, memory.singular) {
+    let plain = |memory: &RelaxationTerm| match (&memory.exponentials, memory.singular) {
         (Some(terms), _) => {
             Box::new(ExponentialSum { terms: terms.clone() }) as Box<dyn MemoryKernel>
         }
@@ -35,6 +37,14 @@ pub(super) fn memory_terms(material: &Material, formulas: &Arc<Graph>) -> Vec<Me
             Box::new(Singular { power: singular.power, factor: formula(singular.factor) })
         }
         (None, None) => formula(memory.kernel),
+    };
+    let inner = |r| match formulas.exponential_sum(r) {
+        Some(terms) => Box::new(ExponentialSum { terms }) as Box<dyn MemoryKernel>,
+        None => formula(r),
+    };
+    let kernel = |memory: &RelaxationTerm| match memory.inner {
+        None => plain(memory),
+        Some(r) => Box::new(Nested { outer: plain(memory), inner: inner(r) }),
     };
     let term = |memory| MemoryTerm { kernel: kernel(memory), tensor: memory_tensor(memory) };
     material.memory.iter().map(term).collect()

@@ -155,6 +155,7 @@ impl Setup {
     pub fn with_history(mut self, interpolated_to: Option<f64>) -> Self {
         let by_sums = |term: MemoryTerm| match (term.kernel.exponentials(), interpolated_to) {
             (Some(_), Some(_)) => term,
+            _ if term.kernel.nested().is_some() => term,
             _ => {
                 let kernel = Box::new(Summed { kernel: term.kernel, interpolated_to });
                 MemoryTerm { kernel, ..term }
@@ -172,6 +173,7 @@ impl Setup {
             let trapezoidal = self.model.time_rule.is_trapezoidal();
             let interpolated = |error| FastConvolution::foreseen_vectors(steps, error);
             match term.kernel.exponentials() {
+                _ if term.kernel.nested().is_some() => 2 * (steps + 1),
                 Some(terms) if trapezoidal => terms.len() + 1,
                 None if trapezoidal => {
                     term.kernel.interpolated_to().and_then(interpolated).unwrap_or(steps + 1)
@@ -256,6 +258,10 @@ fn exact(scene: &Scene, body: &ContactScene) -> Option<Exact> {
         material: numbers,
         regions,
         kernels: material.memory.iter().map(|memory| memory.kernel).collect(),
+        inner: {
+            let terms = material.memory.iter().enumerate();
+            terms.filter_map(|(i, memory)| Some((i, memory.inner?))).collect()
+        },
         kappa: projection.map(|projection| projection.kappa),
         contact,
         horizon: scene.time.horizon,

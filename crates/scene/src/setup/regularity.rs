@@ -46,6 +46,13 @@ pub fn abstract_regularity(scene: &Scene, problem: &AbstractScene) -> Vec<Findin
         let subject = format!("q_{}(T, .) in C2 (3.17)", l + 1);
         second_difference(&subject, "the kernel", horizon, value)
     }));
+    let inner =
+        problem.kernels.iter().enumerate().filter_map(|(l, kernel)| Some((l, kernel.inner?)));
+    findings.extend(inner.map(|(l, r)| {
+        let at = |tau: f64| EvaluationPoint { x: tau, t: horizon, ..EvaluationPoint::default() };
+        let subject = format!("r_{}(T, .) in C2 (3.17)", l + 1);
+        second_difference(&subject, "the kernel", horizon, |tau| graph.evaluate(r, &at(tau)))
+    }));
     findings
 }
 

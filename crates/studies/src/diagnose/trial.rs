@@ -482,8 +482,15 @@ pub(super) fn with_memory(scene: Scene) -> Scene {
         let body = &mut body.material;
         let [lambda, mu] = share(&body.elastic);
         let regions = body.regions.iter().map(|region| share(&region.elastic)).collect();
-        body.memory =
-            vec![RelaxationTerm { kernel, singular: None, exponentials, lambda, mu, regions }];
+        body.memory = vec![RelaxationTerm {
+            kernel,
+            singular: None,
+            exponentials,
+            inner: None,
+            lambda,
+            mu,
+            regions,
+        }];
     })
 }
 

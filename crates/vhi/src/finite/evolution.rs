@@ -7,10 +7,18 @@ use nalgebra::{DMatrix, DVector, Dyn, LU};
 
 use super::{FiniteError, FiniteLoad, FiniteModel};
 use crate::history::TimeGrid;
+use crate::law::HistoryKernel;
 use crate::{
     BoundaryGraph, Coordinate, HistoryInequality, OpenInequality, StepInequality, StepState,
 };
 use algebra::linalg::FactorError;
+
+/// v_0, …, v_{n-1} of a term, and v_n = `known` + `slot` u_n of the open level.
+struct Inner {
+    past: Vec<DVector<f64>>,
+    known: DVector<f64>,
+    slot: f64,
+}
 
 /// The problem with its committed history.
 pub struct FiniteEvolution<'a> {
@@ -24,6 +32,8 @@ pub struct FiniteEvolution<'a> {
     graph: BoundaryGraph,
     /// u_0, …, u_{n-1}.
     past: Vec<DVector<f64>>,
+    /// The inner history of each nested term, in order.
+    inner: Vec<Inner>,
     /// f_n.
     load: DVector<f64>,
     /// R(Σ_{j<n} … + a_S), including the last slot while it is frozen.
@@ -52,6 +62,9 @@ impl<'a> FiniteEvolution<'a> {
         source: &'a mut dyn FiniteLoad,
     ) -> Result<Self, FiniteError> {
         let m = model.dimension();
+        let nested = model.kernels.iter().filter(|term| term.inner.is_some());
+        let nested =
+            nested.map(|_| Inner { past: Vec::new(), known: model.start.clone(), slot: 0.0 });
         let coordinates = model.coordinates().ok_or(FiniteError::Dependent)?;
         let stiffness = coordinates.transpose() * &model.matrix * &coordinates;
         let positions = model.functionals.iter().enumerate().map(|(i, functional)| Coordinate {
@@ -75,6 +88,7 @@ impl<'a> FiniteEvolution<'a> {
             coordinates,
             graph,
             past: Vec::new(),
+            inner: nested.collect(),
             load: DVector::zeros(m),
             y_past: DVector::zeros(m),
             y_before: DVector::zeros(m),
@@ -96,8 +110,11 @@ impl<'a> FiniteEvolution<'a> {
         let (model, t) = (self.model, self.grid.time(self.past.len()));
         self.last_slot.fill(0.0);
         for term in &model.kernels {
-            let last = model.time_rule.last_weight(term.kernel.power(), k);
-            self.last_slot += last * term.kernel.factor(t, t) * &model.r * &term.matrix;
+            let slot = |kernel: &dyn HistoryKernel| {
+                model.time_rule.last_weight(kernel.power(), k) * kernel.factor(t, t)
+            };
+            let inner = term.inner.as_ref().map_or(1.0, |inner| slot(&**inner));
+            self.last_slot += slot(&*term.kernel) * inner * &model.r * &term.matrix;
         }
     }
 
@@ -151,14 +168,28 @@ impl HistoryInequality for FiniteEvolution<'_> {
         self.load = self.source.at(self.grid.time(n))?;
         let mut sum = model.a_s.clone();
         self.last_slot.fill(0.0);
+        let mut nested = self.inner.iter_mut();
+        let weighed = |list: &[DVector<f64>], weights: &[f64]| {
+            let mut sum = DVector::zeros(model.dimension());
+            list.iter().zip(weights).for_each(|(v, weight)| sum.axpy(*weight, v, 1.0));
+            sum
+        };
         for term in &model.kernels {
-            let weights = model.time_rule.kernel_row(&*term.kernel, self.grid, n);
-            let mut past = DVector::zeros(model.dimension());
-            for (u, weight) in self.past.iter().zip(&weights) {
-                past.axpy(*weight, u, 1.0);
-            }
+            let row = |kernel| model.time_rule.kernel_row(kernel, self.grid, n);
+            let weights = row(&*term.kernel);
+            let (past, slot) = match &term.inner {
+                None => (weighed(&self.past, &weights), weights[n]),
+                Some(kernel) => {
+                    let own = row(&**kernel);
+                    let inner = nested.next().expect("an inner history for each nested term");
+                    inner.slot = own[n];
+                    inner.known = &model.start + weighed(&self.past, &own);
+                    let past = weighed(&inner.past, &weights) + weights[n] * &inner.known;
+                    (past, weights[n] * own[n])
+                }
+            };
             sum += &term.matrix * past;
-            self.last_slot += &model.r * &term.matrix * weights[n];
+            self.last_slot += &model.r * &term.matrix * slot;
         }
         self.y_before = &model.r * sum;
         self.freeze(None);
@@ -166,7 +197,11 @@ impl HistoryInequality for FiniteEvolution<'_> {
     }
 
     fn commit(&mut self, solution: &StepState) {
-        self.past.push(self.displacement(&solution.u));
+        let u = self.displacement(&solution.u);
+        for inner in &mut self.inner {
+            inner.past.push(&inner.known + inner.slot * &u);
+        }
+        self.past.push(u);
     }
 }
 

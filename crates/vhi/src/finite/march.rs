@@ -97,7 +97,8 @@ pub fn march(
         observe(&FiniteView { n, t, u: &u, history: &history, pressure });
     }
     info.floor = correction + f64::EPSILON * size;
-    info.peak_history_bytes = (grid.steps() + 1) * model.dimension() * size_of::<f64>();
+    let histories = 1 + model.kernels.iter().filter(|term| term.inner.is_some()).count();
+    info.peak_history_bytes = (grid.steps() + 1) * histories * model.dimension() * size_of::<f64>();
     Ok(info)
 }
 

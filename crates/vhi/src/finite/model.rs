@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use nalgebra::{DMatrix, DVector};
 
-use crate::history::TimeRule;
+use crate::history::{TimeGrid, TimeRule};
 use crate::law::{HistoryKernel, Potential};
 use algebra::linalg::complement;
 
@@ -15,12 +15,35 @@ pub trait ComponentLaw: Send + Sync {
     fn by_r(&self, y: f64, r: f64) -> f64;
 }
 
-/// One term q(t, s) Q of the history.
+/// One term of the history: q(t, s) Q before u(s), or before a history v of its own.
 pub struct FiniteKernel {
     /// q.
     pub kernel: Box<dyn HistoryKernel + Send + Sync>,
+    /// r of v(s) = start + ∫_0^s r(s, τ) u(τ) dτ, in place of u(s).
+    pub inner: Option<Box<dyn HistoryKernel + Send + Sync>>,
     /// Q.
     pub matrix: DMatrix<f64>,
+}
+
+impl FiniteKernel {
+    /// The weights of u_0, …, u_n in the sums at all t_n: W_ni = w_ni q(t_n, t_i), or by the repeated rule
+    /// Σ_{i ≤ j ≤ n} w_nj q(t_n, t_j) w_ji r(t_j, t_i), in O(N³).
+    pub fn weights(&self, rule: &dyn TimeRule, grid: &TimeGrid) -> Vec<Vec<f64>> {
+        let of = |kernel: &dyn HistoryKernel| -> Vec<Vec<f64>> {
+            (0..=grid.steps()).map(|n| rule.kernel_row(kernel, grid, n)).collect()
+        };
+        let outer = of(&*self.kernel);
+        let Some(inner) = &self.inner else { return outer };
+        let inner = of(&**inner);
+        let repeated = |row: Vec<f64>| {
+            let mut sums = vec![0.0; row.len()];
+            for (w, own) in row.iter().zip(&inner) {
+                sums.iter_mut().zip(own).for_each(|(sum, r)| *sum += w * r);
+            }
+            sums
+        };
+        outer.into_iter().map(repeated).collect()
+    }
 }
 
 /// γ_i: u ↦ a_i·u with its part of j and K.
@@ -40,10 +63,11 @@ pub struct Functional {
 /// Problem 1 in ℝ^m. Forces are vectors of ℝ^m too: ⟨f, v⟩ = f·v.
 ///
 /// ```text
-/// ⟨A u, v⟩ = (M u + g(u))·v,  S_n u = R(Σ_l Σ_j W^l_nj Q_l u_j + a_S),  φ(y, u, v) = N(y, u)·v,
+/// ⟨A u, v⟩ = (M u + g(u))·v,  S_n u = R(Σ_l Σ_j W^l_nj Q_l z^l_j + a_S),  φ(y, u, v) = N(y, u)·v,
 /// j(γu) = Σ_i w_i j_i(a_i·u),  K = {lower_i ≤ a_i·u ≤ upper_i}
 /// ```
 ///
+/// z^l_j is u_j, or by the same rule v_j = start + Σ_i W_ji u_i of the inner kernel.
 /// g and N act component by component; without them A is linear and N(y, u) = y.
 pub struct FiniteModel {
     /// Gram matrix of X.
@@ -54,6 +78,8 @@ pub struct FiniteModel {
     pub nonlinear: Vec<Box<dyn ComponentLaw>>,
     /// Terms of the history; may be empty.
     pub kernels: Vec<FiniteKernel>,
+    /// Where inner histories begin: the displacement at t = 0, if u is a velocity.
+    pub start: DVector<f64>,
     /// R.
     pub r: DMatrix<f64>,
     /// a_S.

@@ -26,6 +26,25 @@ pub enum Memory {
         committed: usize,
     },
     Fast(Box<FastConvolution>),
+    /// A history of a history: v_j is the inner sum at t_j, and the outer one is of the v_j.
+    Nested {
+        outer: Box<Memory>,
+        inner: Box<Memory>,
+        /// v_n without u_n, and the weight of u_n in it.
+        known: Vec<f64>,
+        slot: f64,
+    },
+}
+
+/// The weight of u_n in the sum up to t_n.
+pub fn last_weight(
+    kernel: &dyn MemoryKernel,
+    rule: &dyn TimeRule,
+    grid: &TimeGrid,
+    n: usize,
+) -> f64 {
+    let of = |kernel: &dyn MemoryKernel| rule.kernel_weight(&Convolution(kernel), grid, n, n);
+    kernel.nested().map_or_else(|| of(kernel), |[outer, inner]| of(outer) * of(inner))
 }
 
 impl Memory {
@@ -37,6 +56,11 @@ impl Memory {
         grid: &TimeGrid,
         dofs: usize,
     ) -> Self {
+        if let Some(kernels) = kernel.nested() {
+            let [outer, inner] =
+                kernels.map(|kernel| Box::new(Self::new(kernel, rule, grid, dofs)));
+            return Self::Nested { outer, inner, known: vec![0.0; dofs], slot: 0.0 };
+        }
         match kernel.exponentials() {
             Some(terms) if rule.is_trapezoidal() => Self::Recursive {
                 terms: terms.to_vec(),
@@ -68,6 +92,7 @@ impl Memory {
             Self::Direct { past } => past.len(),
             Self::Recursive { committed, .. } => *committed,
             Self::Fast(fast) => fast.committed(),
+            Self::Nested { outer, .. } => outer.committed(),
         }
     }
 
@@ -99,6 +124,13 @@ impl Memory {
                 }
             }
             Self::Fast(fast) => fast.past(kernel, grid, out),
+            Self::Nested { outer, inner, known, slot } => {
+                let Some([of_outer, of_inner]) = kernel.nested() else { return };
+                inner.past(of_inner, rule, grid, known);
+                *slot = last_weight(of_inner, rule, grid, n);
+                outer.past(of_outer, rule, grid, out);
+                axpy(last_weight(of_outer, rule, grid, n), known, out);
+            }
         }
     }
 
@@ -120,6 +152,11 @@ impl Memory {
                 *committed += 1;
             }
             Self::Fast(fast) => fast.commit(grid, u),
+            Self::Nested { outer, inner, known, slot } => {
+                inner.commit(grid, u);
+                axpy(*slot, u, known);
+                outer.commit(grid, known);
+            }
         }
     }
 
@@ -131,6 +168,9 @@ impl Memory {
                 states.iter().map(Vec::len).sum::<usize>() + last.len()
             }
             Self::Fast(fast) => fast.numbers(),
+            Self::Nested { outer, inner, known, .. } => {
+                return outer.bytes() + inner.bytes() + known.len() * size_of::<f64>();
+            }
         };
         vectors * size_of::<f64>()
     }

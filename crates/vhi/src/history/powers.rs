@@ -1,6 +1,6 @@
 //! Moments of (t_n - s)^{-a} over one step, the weights of kernels that are infinite at s = t_n.
 
-use super::gauss::GAUSS;
+use crate::law::GAUSS;
 
 /// ∫ λ^{-a} φ(λ) over the lags near < λ < near + step, for the hat functions φ of the far and the near end of the step,
 /// 0 ≤ a < 1.

@@ -1,7 +1,7 @@
 //! Time rules for kernels that are not C², or infinite at s = t: a corrected end weight, and product integration.
 
-use super::gauss::GAUSS;
 use super::{ClosedForm, TimeGrid, TimeRule, Trapezoid, powers};
+use crate::law::GAUSS;
 use crate::law::HistoryKernel;
 
 /// The trapezoidal rule with a corrected weight at s = t_n for kernels q(t, s) ≈ q(t, t) + c(t) (t - s)^a near s = t, 0

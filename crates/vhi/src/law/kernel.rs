@@ -1,5 +1,7 @@
 //! Kernels of the history operator (2.11): general q(t, s), and b(t - s) as in ℬ(t)ε = b(t)·ℬ₀ε.
 
+use super::gauss::GAUSS;
+
 /// A scalar kernel q(t, s) of the history operator (2.11), 0 ≤ s ≤ t (1/time).
 pub trait HistoryKernel {
     fn at(&self, t: f64, s: f64) -> f64;
@@ -56,6 +58,12 @@ pub trait MemoryKernel: Send + Sync {
         None
     }
 
+    /// The q and r of b(t) = ∫_0^t q(t - s) r(s) ds, the kernel of a history of a history, which is summed by the repeated
+    /// rule.
+    fn nested(&self) -> Option<[&dyn MemoryKernel; 2]> {
+        None
+    }
+
     /// Error, relative to its largest value, to which sums over the past may interpolate a kernel that is not a sum of
     /// exponentials; None for direct sums.
     fn interpolated_to(&self) -> Option<f64> {
@@ -80,6 +88,32 @@ impl MemoryKernel for Summed {
 
     fn interpolated_to(&self) -> Option<f64> {
         self.interpolated_to
+    }
+}
+
+/// The kernel of ∫_0^t q(t - s) v(s) ds, v(s) = ∫_0^s r(s - τ) u(τ) dτ.
+pub struct Nested {
+    /// q.
+    pub outer: Box<dyn MemoryKernel>,
+    /// r.
+    pub inner: Box<dyn MemoryKernel>,
+}
+
+impl MemoryKernel for Nested {
+    /// By Gauss's rule, to rounding for kernels that vary on the scale of the lag.
+    fn value(&self, lag: f64) -> f64 {
+        let of_node = |&(x, weight): &(f64, f64)| {
+            weight * lag * self.outer.value(lag * (1.0 - x)) * self.inner.value(lag * x)
+        };
+        GAUSS.iter().map(of_node).sum()
+    }
+
+    fn interpolated_to(&self) -> Option<f64> {
+        None
+    }
+
+    fn nested(&self) -> Option<[&dyn MemoryKernel; 2]> {
+        Some([&*self.outer, &*self.inner])
     }
 }
 

@@ -3,6 +3,7 @@
 
 mod curve;
 mod elasticity;
+mod gauss;
 mod kernel;
 mod potential;
 mod projection;
@@ -11,8 +12,10 @@ mod tensor_field;
 
 pub use curve::{Curve, Curved};
 pub use elasticity::Isotropic;
+pub(crate) use gauss::GAUSS;
 pub use kernel::{
-    Convolution, ExponentialSum, HistoryKernel, INTERPOLATED_TO, MemoryKernel, Singular, Summed,
+    Convolution, ExponentialSum, HistoryKernel, INTERPOLATED_TO, MemoryKernel, Nested, Singular,
+    Summed,
 };
 pub use potential::{NoPotential, PiecewiseLinear, Potential, PotentialError, graph_distance};
 pub use projection::{AnyProjection, Projection, Response, VonMises, YieldLimit};

@@ -38,6 +38,7 @@ fn exact(vertices: &[[f64; 2]], u: [&str; 2], yields: bool) -> Exact {
         u,
         material,
         regions,
+        inner: Vec::new(),
         kernels,
         kappa,
         contact,

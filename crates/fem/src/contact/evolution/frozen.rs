@@ -4,7 +4,7 @@ use super::Evolution;
 use crate::contact::{Discretization, LastSlot, MemoryTerm, Model, stress_force};
 use algebra::in_dimension;
 use algebra::linalg::{Analysis, Factor, FactorError, Front, axpy, dot};
-use vhi::law::{Projection, TensorField};
+use vhi::law::{MemoryKernel, Projection, TensorField};
 use vhi::{FrozenDerivative, OpenInequality, StepInequality, StepState};
 
 /// DΛ of the open level but for the tangent of its frozen problem.
@@ -58,8 +58,12 @@ impl Evolution<'_> {
 impl FrozenDerivative for Evolution<'_> {
     fn set_step(&mut self, k: f64) {
         let rule = &self.model.time_rule;
-        let last_weight =
-            |term: &MemoryTerm| rule.last_weight(term.kernel.power(), k) * term.kernel.factor(0.0);
+        let slot =
+            |kernel: &dyn MemoryKernel| rule.last_weight(kernel.power(), k) * kernel.factor(0.0);
+        let last_weight = |term: &MemoryTerm| match term.kernel.nested() {
+            None => slot(&*term.kernel),
+            Some([outer, inner]) => slot(outer) * slot(inner),
+        };
         let memory = self.model.memory.iter().map(last_weight).collect();
         self.set_last_slot(LastSlot { zeta: rule.last_share() * k, memory });
     }

@@ -345,5 +345,10 @@ pub fn table_of_finite(c: &AbstractConstants, model: &FiniteModel) -> Vec<Consta
     }
     rows.add("|q|", c.q_norm, Proved, "largest norm X -> X* over 0 <= s <= t <= T");
     rows.add("|q(t,t)|", c.q_norm_now, Proved, "the same over s = t");
+    if c.nested.all > 0.0 {
+        let note = "max |q| max |r| of histories of histories, X -> X*: S has |R|(|q| + T |q||r|)";
+        rows.add("|q||r|", c.nested.all, Proved, note);
+        rows.add("|q(t,t) r(t,t)|", c.nested.now, Proved, "beside the last weight w_nn^2");
+    }
     rows.0
 }

@@ -50,6 +50,10 @@ impl GronwallConstants {
     /// A rule with weights for each kernel, no history, no proved bound of c_j², m0 ≤ 0, κ not Lipschitz.
     pub fn new(setup: &Setup) -> Result<Self> {
         let (found, scene) = (constants(setup)?, &setup.scene);
+        if setup.body.material.memory.iter().any(|term| term.inner.is_some()) {
+            let why = " has a history of a history: its envelopes are those of abstract scenes; state the problem with kind = \"abstract\"";
+            return Err(refused(scene, why));
+        }
         let Some(weights) = Weights::of(scene.time.rule, found.singular.0) else {
             return Err(refused(scene, OWN_WEIGHTS));
         };
@@ -423,7 +427,8 @@ impl<'a> FiniteInTime<'a> {
         let weights = Weights::of(scene.time.rule, found.power).ok_or_else(own)?;
         smallness(scene, found.m0)?;
         let plain = weights.beside_plain(scene.time.horizon) * found.q_norm;
-        let q_norm = plain + found.b_norm;
+        // ‖∫_0^t q ∫_0^s r u‖ ≤ T ‖q‖‖r‖ ∫_0^t ‖u‖, and W_nj ≤ T ‖q‖‖r‖ w_nj by a rule that repeats.
+        let q_norm = plain + found.b_norm + scene.time.horizon * found.nested.all;
         let constants = [found.m0, found.beta_phi, found.r_norm * q_norm];
         if constants[2] == 0.0 {
             return Err(refused(scene, NO_HISTORY));
@@ -496,7 +501,8 @@ impl InTime for FiniteInTime<'_> {
         self.setup.model.norm(&difference)
     }
 
-    /// κ(n, j) = ‖R Σ_l q_l(t_n, t_j) Q_l‖ from X to X*; by product integration with W^l_nj in place of q_l.
+    /// κ(n, j) = ‖R Σ_l q_l(t_n, t_j) Q_l‖ from X to X*; by product integration, and with nested terms, W^l_nj in place of
+    /// q_l.
     fn terms(&self, grid: &TimeGrid) -> Terms {
         let ([m0, beta, lipschitz], model) = (self.constants, &self.setup.model);
         // Operators X → X* between orthonormal coordinates.
@@ -514,9 +520,23 @@ impl InTime for FiniteInTime<'_> {
                 each.reduce(|sum, matrix| sum + matrix).map_or(0.0, |sum| norm(&sum))
             }
         };
-        let kernels: Vec<&dyn HistoryKernel> =
-            model.kernels.iter().map(|term| &*term.kernel as _).collect();
-        let norms = KernelNorms::of(&kernels, of, (self.weights.integrating(), grid));
+        let norms = match model.kernels.iter().any(|term| term.inner.is_some()) {
+            true => {
+                let rule = self.weights.rule();
+                let terms = model.kernels.iter();
+                let each: Vec<_> = terms.map(|term| term.weights(&*rule, grid)).collect();
+                let at = |n: usize, j: usize| {
+                    of(&each.iter().map(|rows| rows[n][j]).collect::<Vec<f64>>())
+                };
+                let row = |n: usize| (0..=n).map(|j| at(n, j)).collect();
+                KernelNorms { rows: (0..=grid.steps()).map(row).collect(), weighed: true }
+            }
+            false => {
+                let kernels: Vec<&dyn HistoryKernel> =
+                    model.kernels.iter().map(|term| &*term.kernel as _).collect();
+                KernelNorms::of(&kernels, of, (self.weights.integrating(), grid))
+            }
+        };
         (m0, beta, self.weights, vec![norms.part(beta, lipschitz)])
     }
 
@@ -526,12 +546,16 @@ impl InTime for FiniteInTime<'_> {
         let states: Vec<_> = grid.times().iter().map(|t| self.setup.state(*t)).collect();
         let column = |values: &[f64]| DVector::from_column_slice(values);
         let u: Vec<DVector<f64>> = states.iter().map(|state| column(&state.u)).collect();
+        let weights: Vec<_> = model.kernels.iter().map(|term| term.weights(&*rule, grid)).collect();
         let defect = |n: usize| {
             let mut sum = model.a_s.clone();
-            for term in &model.kernels {
-                let weights = rule.kernel_row(&*term.kernel, grid, n);
+            for (term, weights) in model.kernels.iter().zip(&weights) {
                 let mut integral = DVector::zeros(model.dimension());
-                for (u, weight) in u.iter().zip(&weights) {
+                if term.inner.is_some() {
+                    integral +=
+                        rule.kernel_row(&*term.kernel, grid, n).iter().sum::<f64>() * &model.start;
+                }
+                for (u, weight) in u.iter().zip(&weights[n]) {
                     integral.axpy(*weight, u, 1.0);
                 }
                 sum += &term.matrix * integral;

@@ -6,9 +6,10 @@ use algebra::linalg::signed_unit;
 use scene::TimeRule;
 use vhi::history::TimeGrid;
 
-const RULES: [TimeRule; 4] = [
+const RULES: [TimeRule; 5] = [
     TimeRule::Trapezoid,
     TimeRule::Left,
+    TimeRule::Right,
     TimeRule::Gregory { order: 3 },
     TimeRule::Gregory { order: 4 },
 ];
@@ -60,7 +61,7 @@ fn the_left_rule_attains_its_closed_form_and_needs_no_small_step() {
             assert!(e.iter().zip(&closed).all(|(a, b)| (a - b).abs() <= 1e-12 * b));
         }
     }
-    for weights in [RULES[0], RULES[2], RULES[3]].map(of) {
+    for weights in [RULES[0], RULES[2], RULES[3], RULES[4]].map(of) {
         let grid = TimeGrid::uniform(2.0, 60);
         let most = 30.0 / weights.rule().last_share();
         assert!(weights.envelope(&grid, source, 1.01 * most).is_err(), "{weights:?}");
