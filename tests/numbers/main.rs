@@ -47,6 +47,7 @@ mod second_integral;
 mod separate_evaluation;
 #[path = "../shipped/mod.rs"]
 mod shipped;
+mod side_laws;
 mod singular;
 mod step_size;
 mod symmetry;

@@ -110,7 +110,7 @@ macro_rules! loads {
 
 /// The setup without law and bound.
 fn no_contact(mut setup: Setup) -> Setup {
-    if let Some(boundary) = &mut setup.model.boundary {
+    for boundary in &mut setup.model.boundary {
         boundary.potential = Arc::new(NoPotential);
         boundary.gap = Box::new(|_, _| f64::INFINITY);
     }
@@ -122,7 +122,7 @@ fn gap_of_the_level_before(setup: Setup) -> Setup {
     marched(setup, |setup, data, steps, observe| {
         let k = setup.scene.time.horizon / f64::from(steps);
         rebuilt(setup, data, steps, observe, |_, model| {
-            let Some(boundary) = &mut model.boundary else { return };
+            let Some(boundary) = model.boundary.first_mut() else { return };
             let sound = std::mem::replace(&mut boundary.gap, Box::new(|_, _| f64::INFINITY));
             boundary.gap = Box::new(move |x, t| sound(x, (t - k).max(0.0)));
         })
