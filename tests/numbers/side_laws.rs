@@ -8,6 +8,7 @@ use crate::shipped::{edited, on_mesh, run, setup_of, text};
 use algebra::linalg::signed_unit;
 use fem::contact::{Discretization, TraceMass, TracePart, weighted_trace_constants};
 use scene::setup::{Setup, constants, falling_sides};
+use scene::{Scene, Source};
 use vhi::law::TensorField;
 
 const STEPS: u32 = 4;
@@ -216,4 +217,23 @@ fn all_sides_together_take_at_most_what_is_printed() {
     }
     // No more than the largest descent on all of Γ3, no less than without the other side.
     assert!(known.c_nu_squared < known.c_j_squared);
+}
+
+/// On a line two laws would have one vertex with one u_ν in common; at a corner it has two.
+#[test]
+fn sides_that_go_straight_on_share_their_law() {
+    let read = |middle: &str| {
+        let text = format!(
+            "[scene]\nname = \"straight\"\nquestion = \"?\"\ndimension = 2\njudge = false\n\
+             [domain]\nshape = \"polygon\"\nvertices = [[0.0, 0.0], {middle}, [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]]\n\
+             clamped = [\"s4\"]\ntraction = [\"s3\", \"s5\"]\ncontact = [\"s1\", \"s2\"]\n\
+             [time]\nhorizon = 1.0\n[material]\nlambda = 1.0\nmu_L = 1.0\n\
+             [[contact]]\nsides = [\"s1\"]\ngap = \"0.1\"\n[[contact]]\nsides = [\"s2\"]\n\
+             [loads]\nbody = [\"0\", \"-t\"]\n"
+        );
+        Scene::from_source(Source::from_text("manufactured/edited.toml", text))
+    };
+    let refused = read("[0.5, 0.0]").expect_err("one vertex with two laws").to_string();
+    assert!(refused.contains("meet at") && refused.contains("go straight on"), "{refused}");
+    read("[0.5, -0.1]").unwrap_or_else(|error| panic!("{error}"));
 }

@@ -10,6 +10,7 @@ use super::{BLOCK, ORIGIN, Tie, block, near, value, with};
 
 pub const TIES: &[Tie] = &[
     (&["contact.gap", "contact.shift"], gap_and_shift),
+    (&["contact.sides"], sides),
     (&["contact.quadrature"], quadrature),
     (&["discretization.element"], element),
     (&["contact.law.kind", "contact.law.stiffness"], linear),
@@ -59,6 +60,25 @@ fn gap_and_shift() {
     let at = EvaluationPoint { x: 0.25, ..ORIGIN };
     near(value(&setup.scene, contact.gap.expect("a gap"), at), 0.35);
     near(value(&setup.scene, contact.shift.expect("a shift"), at), 0.005);
+}
+
+/// A law on the left, a gap on the bottom.
+fn sides() {
+    let tables = "[[contact]]\nsides = [\"left\"]\nlaw = { kind = \"linear\", stiffness = 0.3 }\n[[contact]]\nsides = [\"bottom\"]\ngap = \"0.1\"";
+    let setup = crate::shipped::setup_of(with(
+        BLOCK,
+        &[
+            ("[\"left\", \"right\"]", "[\"right\"]"),
+            ("contact = [\"bottom\"]", "contact = [\"bottom\", \"left\"]"),
+            ("[contact]", tables),
+        ],
+    ));
+    let mesh = setup.body.domain.mesh(2);
+    for (side, pressure, gap) in [("left", 0.06, f64::INFINITY), ("bottom", 0.0, 0.1)] {
+        let boundary = setup.model.boundary_on(mesh.side(side).expect("a side")).expect("contact");
+        near(boundary.potential_at([0.0; 3]).subdifferential(0.2).0, pressure);
+        assert_eq!((boundary.gap)([0.0; 3], 0.0), gap);
+    }
 }
 
 fn quadrature() {

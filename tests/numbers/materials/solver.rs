@@ -102,8 +102,14 @@ fn marched(space: &Discretization, elasticity: TensorField, memory: Vec<MemoryTe
         }
     }
     let time_rule = Box::new(Trapezoid);
-    let model =
-        Model { elasticity, memory, projection: None, boundary: Vec::new(), friction: None, time_rule };
+    let model = Model {
+        elasticity,
+        memory,
+        projection: None,
+        boundary: Vec::new(),
+        friction: None,
+        time_rule,
+    };
     let mut load = Weight((0..space.dofs()).map(|i| (0.3 * i as f64).sin()).collect());
     let (grid, mut last) = (TimeGrid::uniform(1.0, 4), Vec::new());
     let mut keep = |view: &StepView<'_>| {

@@ -129,6 +129,21 @@ fn gap_of_the_level_before(setup: Setup) -> Setup {
     })
 }
 
+/// The first gap of a scene whose sides differ on all of them.
+fn one_gap(mut setup: Setup) -> Setup {
+    if let [_, _, ..] = setup.model.boundary[..] {
+        let stated = setup.scene_model().boundary;
+        let finite = stated.into_iter().find(|b| (b.gap)([0.0; 3], 0.0).is_finite());
+        if let Some(first) = finite.map(|boundary| Arc::new(boundary.gap)) {
+            for boundary in &mut setup.model.boundary {
+                let first = first.clone();
+                boundary.gap = Box::new(move |x, t| first(x, t));
+            }
+        }
+    }
+    setup
+}
+
 /// Bound and law on -u_ν.
 fn turned(setup: Setup) -> Setup {
     marched(setup, |setup, data, steps, observe| {
@@ -195,7 +210,19 @@ pub fn handed() -> Vec<Defect> {
         loads!("loads of the level before", late),
         loads!("loads taken for nodal densities and integrated again", lumped),
         loads!("no loads at the ends of one facet", facet),
-        Defect::of(Term::Dirichlet, "half of Γ1 freed", half_freed),
+        Defect::of(Term::Dirichlet, "half of Γ1 freed", |setup| half_freed(setup, false)),
+        Defect::of(Term::Dirichlet, "one component alone clamped on half of Γ1", |setup| {
+            half_freed(setup, true)
+        }),
+        Defect::of(Term::Compliance, "laws of two sides exchanged", |mut setup| {
+            let sides = |setup: &Setup, i: usize| setup.model.boundary[i].sides.clone();
+            if setup.model.boundary.len() == 2 {
+                let [a, b] = [0, 1].map(|i| sides(&setup, i));
+                (setup.model.boundary[0].sides, setup.model.boundary[1].sides) = (b, a);
+            }
+            setup
+        }),
+        constraint("gap of one side on all of Γ3", one_gap),
         Defect::of(Term::Dirichlet, "plane of symmetry forgotten", |setup| planes(setup, false)),
         Defect::of(Term::Dirichlet, "plane of symmetry held along itself too", |setup| {
             planes(setup, true)

@@ -111,7 +111,8 @@ pub fn write_case(dir: &Path, setup: &Setup, data: &MeshData, steps: u32) -> Res
     if !space.supports.is_empty() {
         written("symmetry.csv", symmetry(&space.supports, space.mesh.dimension))?;
     }
-    written("contact.csv", contact_table(&given.contact, space.mesh.dimension))?;
+    let several = setup.body.contact.len() > 1;
+    written("contact.csv", contact_table(&given.contact, space.mesh.dimension, several))?;
     file("times.npy", &encode(&[given.times.len()], &given.times))?;
     let array = |name: &str, array: &Array| file(name, &encode(&array.shape, &array.numbers));
     given.kernels.iter().try_for_each(|kernels| array("kernels.npy", kernels))?;
@@ -298,14 +299,18 @@ fn by_level(
     Array { shape: vec![grid.steps() + 1, points.len()], numbers }
 }
 
-fn contact_table(rows: &[ContactRow], d: usize) -> Result<Vec<u8>, csv::Error> {
+/// With the column `table` where there are several: readers of others count on nine columns in the plane.
+fn contact_table(rows: &[ContactRow], d: usize, several: bool) -> Result<Vec<u8>, csv::Error> {
     let names = COORDINATES[..d].iter().map(|name| format!("n{name}"));
     let names = std::iter::once("vertex".to_owned()).chain(names);
-    let head = between("row", names, &["weight", "gap", "shift", "scale", "clamped", "table"]);
+    let mut head = between("row", names, &["weight", "gap", "shift", "scale", "clamped"]);
+    head.extend(several.then(|| "table".to_owned()));
     let cells = |(i, row): (usize, &ContactRow)| {
         let numbers = row.normal[..d].iter().chain(&row.numbers).map(f64::to_string);
         let inner = std::iter::once(row.vertex.to_string()).chain(numbers);
-        between(&i.to_string(), inner, &[flag(row.clamped), &row.table.to_string()])
+        let mut cells = between(&i.to_string(), inner, &[flag(row.clamped)]);
+        cells.extend(several.then(|| row.table.to_string()));
+        cells
     };
     table(head, rows.iter().enumerate().map(cells))
 }

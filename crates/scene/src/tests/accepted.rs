@@ -57,10 +57,7 @@ fn gaps_as_numbers_and_without_bound() {
     assert_eq!(number.formulas.value_of_constant(gap), Some(0.25));
     for free in ["gap = \"inf\"", "gap = inf", ""] {
         assert!(
-            accepted(LOADED, "gap = \"0.10\"", free)
-                .as_contact()
-                .unwrap()
-                .contact[0]
+            accepted(LOADED, "gap = \"0.10\"", free).as_contact().unwrap().contact[0]
                 .clone()
                 .gap
                 .is_none()
@@ -71,10 +68,7 @@ fn gaps_as_numbers_and_without_bound() {
 
 #[test]
 fn laws_with_a_jump_and_linear() {
-    let jump = accepted(LOADED, "[0.04, 0.08]", "[0.0, 0.08]")
-        .as_contact()
-        .unwrap()
-        .contact[0]
+    let jump = accepted(LOADED, "[0.04, 0.08]", "[0.0, 0.08]").as_contact().unwrap().contact[0]
         .clone()
         .law
         .unwrap();
@@ -82,12 +76,7 @@ fn laws_with_a_jump_and_linear() {
     let start = LOADED.find("law = {").unwrap();
     let end = start + LOADED[start..].find('\n').unwrap();
     let law = |text: &str| {
-        accepted(LOADED, &LOADED[start..end], text)
-            .as_contact()
-            .unwrap()
-            .contact[0]
-            .clone()
-            .law
+        accepted(LOADED, &LOADED[start..end], text).as_contact().unwrap().contact[0].clone().law
     };
     let linear = law("law = { kind = \"linear\", stiffness = 3 }").unwrap();
     assert_eq!((linear.slope_before, linear.slope_after, linear.alpha()), (3.0, 3.0, 0.0));

@@ -89,7 +89,8 @@ fn both_directions_of_a_face_are_looked_at() {
         let u = u.map(|text| graph.parse(&text, &scope).expect("a formula")).to_vec();
         let (full, memory, projection) = (None, Vec::new(), None);
         let material = MaterialNumbers { lambda: 1.0, mu_l: 1.0, full, memory, projection };
-        let (contact, size) = (vec![ContactFormulas { side: 2, ..ContactFormulas::default() }], vec![1.0, 1.0, 0.5]);
+        let (contact, size) =
+            (vec![ContactFormulas { side: 2, ..ContactFormulas::default() }], vec![1.0, 1.0, 0.5]);
         let data = ExactData {
             graph,
             u,

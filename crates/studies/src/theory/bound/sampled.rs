@@ -182,7 +182,7 @@ pub(super) struct TraceConstants {
     pub n: u32,
     /// sup ‖v_ν‖²/‖ε(v)‖².
     pub strain: OnMesh,
-    /// sup ‖v_ν‖²/(𝒜ε(v), ε(v)).
+    /// sup ‖v_ν‖²/(𝒜ε(v), ε(v)), with the same factors as `falling`.
     energy: OnMesh,
     /// sup Σ (α_i/α_ν) ‖v_ν‖²/‖ε(v)‖² over the contact sides, where their α_i differ.
     pub falling: Option<OnMesh>,
@@ -219,7 +219,7 @@ impl TraceConstants {
         Ok(Some(Self {
             n: space.mesh.n,
             strain: of(&strain, TracePart::Normal)?,
-            energy: of(&setup.model.elasticity, TracePart::Normal)?,
+            energy: weighted(&setup.model.elasticity, TracePart::Normal, &sides)?,
             falling: falling.transpose()?,
             tangential: tangential.transpose()?,
         }))
@@ -270,7 +270,7 @@ impl TraceConstants {
             rows.add("c_nu^2, bound", bound, Proved, note);
         }
         if let Some(energy) = &self.energy.limit {
-            let asked = digits(c.m_elastic / c.c_j_squared, 7);
+            let asked = digits(c.m_elastic / c.c_nu_squared, 7);
             let note = format!(
                 "1/energy constant: steeper laws lose uniqueness; (2.9) asks alpha_j < {asked}"
             );

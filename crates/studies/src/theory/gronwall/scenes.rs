@@ -27,7 +27,7 @@ use vhi::{Newton, monotonicity};
 /// upper bound.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct GronwallConstants {
-    /// m0 = m_𝒜 - α_ν C, C a proved upper bound of c_j² (a stress).
+    /// m0 = m_𝒜 - α_ν C, C a proved upper bound of c_ν², which is c_j² with one law (a stress).
     pub m0: f64,
     /// C, where α_ν > 0 needs it (a length).
     pub trace_bound: Option<f64>,
