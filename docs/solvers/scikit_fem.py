@@ -103,15 +103,18 @@ class Case:
 
     def refuse_what_is_not_here(self):
         case = self.case
-        law = (case["contact"] or {}).get("law") or {"kind": "none"}
+        contact = case["contact"] or {}
+        # A list where sides have laws of their own.
+        tables = contact if isinstance(contact, list) else [contact]
+        laws = [table["law"]["kind"] for table in tables if "law" in table]
         for refused, what in [
             (case["dimension"] != 2, "bodies in space"),
             (case["projection"] is not None, "a projection"),
             (len(case["regions"]) > 1, "regions"),
             (any("mandel" in tensor for tensor in case["elasticity"]), "full tensors"),
-            (law["kind"] != "none", f"the law {law['kind']}"),
+            (set(laws) - {"none"}, f"the law {', '.join(laws)}"),
             ((self.directory / "gap.npy").exists(), "an obstacle that moves"),
-            ("friction" in (case["contact"] or {}), "friction"),
+            (any("friction" in table for table in tables), "friction"),
             (any(case["singular"]), "kernels that are infinite at lag zero"),
             (not case["uniform"], "a grid that is not uniform"),
         ]:

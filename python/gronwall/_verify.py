@@ -52,7 +52,8 @@ class Case:
     sides : list of str
         The side of each.
     contact : dict of ndarray
-        Gamma3: vertex, normal, weight, gap (inf: none), shift, scale, clamped.
+        Gamma3: vertex, normal, weight, gap (inf: none), shift, scale, clamped, table (of ``data["contact"]``, if that is a
+        list).
     symmetry : dict of ndarray or None
         Planes of symmetry: vertex, normal; u . normal = 0 there.
     times : ndarray, (N + 1,)
@@ -178,6 +179,7 @@ def _case(raw: dict[str, Any], numpy: Any) -> Case:
         "shift": shift,
         "scale": scale,
         "clamped": array("contact_clamped").astype(bool),
+        "table": array("contact_table"),
     }
     return Case(
         scene=data["scene"],

@@ -48,6 +48,7 @@ pub fn case<'py>(py: Python<'py>, given: &Given, data: &MeshData) -> PyResult<Bo
     let numbers: Vec<f64> = contact.iter().flat_map(|row| row.numbers).collect();
     doubles("contact_numbers", &[rows, 4], &numbers)?;
     indices("contact_clamped", &[rows], &mut contact.iter().map(|row| u32::from(row.clamped)))?;
+    indices("contact_table", &[rows], &mut contact.iter().map(|row| row.table as u32))?;
     doubles("times", &[given.times.len()], &given.times)?;
     let array = |name: &str, array: &Array| doubles(name, &array.shape, &array.numbers);
     given.kernels.iter().try_for_each(|kernels| array("kernels", kernels))?;

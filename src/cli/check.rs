@@ -23,7 +23,7 @@ use run::sweep::{
     floors_beside, foresee_plan,
 };
 use scene::setup::{Constants, Setup, Smallness, Subject, constants, sides};
-use scene::{Data, Hypothesis, RelaxationTerm, Scene};
+use scene::{Data, Hypothesis, Law, RelaxationTerm, Scene};
 use serde_json::Value;
 use studies::theory::corner::{Corner, corners};
 use vhi::history::FastConvolution;
@@ -128,8 +128,7 @@ fn findings(plan: &ScenePlan, limit: &MemoryLimit) -> Result<Vec<Finding>, CliEr
 
 /// A law that pulls where contact is open.
 fn two_sided(setup: &Setup) -> Option<Finding> {
-    let law = setup.body.contact.as_ref()?.law.as_ref()?;
-    let instead = law.one_sided()?;
+    let (law, instead) = setup.body.laws().find_map(|law| Some((law, law.one_sided()?)))?;
     let text = format!(
         "two-sided: p < 0 and the body is pulled where contact is open; {instead} presses alone"
     );
@@ -366,10 +365,12 @@ fn strong_form_is_no_measure(finding: &mut Finding) {
 }
 
 fn alpha_nu_from(setup: &Setup) -> &'static str {
-    let law = setup.body.contact.as_ref().and_then(|contact| contact.law.as_ref());
-    match law.and_then(|law| law.scale) {
-        Some(_) => "proved: steepest descent of the law, times its factor's maximum",
-        None => "proved: steepest descent of the law",
+    match setup.body.laws().any(|law| law.scale.is_some()) {
+        _ if setup.body.contact.len() > 1 => {
+            "proved: steepest descent of all laws, times their factors' maxima"
+        }
+        true => "proved: steepest descent of the law, times its factor's maximum",
+        false => "proved: steepest descent of the law",
     }
 }
 
@@ -417,6 +418,24 @@ fn trace_findings(setup: &Setup, c: &Constants) -> Vec<Finding> {
     };
     if c.c_j_squared > 0.0 {
         findings.push(fact("c_j^2", c.c_j_squared, &known(c.c_j_range)));
+    }
+    if setup.body.contact.len() > 1 {
+        for contact in &setup.body.contact {
+            let names: Vec<&str> =
+                contact.sides.iter().map(|&side| setup.body.domain.name(side)).collect();
+            let alpha = contact.law.as_ref().map_or(0.0, Law::alpha);
+            let name = format!("alpha_nu on {}", names.join(", "));
+            findings.push(fact(&name, alpha, "proved: steepest descent of the law there"));
+        }
+        let how = format!("(alpha_i/alpha_nu) |v_nu|^2 over the sides: {}", known(c.c_nu_range));
+        findings.push(fact("c_nu^2", c.c_nu_squared, &how));
+        if let Some(bound) = c.c_nu_squared_bound {
+            findings.push(fact(
+                "c_nu^2, upper bound",
+                bound,
+                "proved: distance to the clamped side",
+            ));
+        }
     }
     if let Some(bound) = c.c_j_squared_bound {
         findings.push(fact("c_j^2, upper bound", bound, "proved: distance to the clamped side"));

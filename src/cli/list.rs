@@ -6,7 +6,7 @@ use clap::Args;
 
 use super::{CliError, Scenes, print_beside, print_json, print_text};
 use files::{counted, make_directory, replace_file};
-use scene::{Body, Data, Scene};
+use scene::{Body, Contact, Data, Scene};
 use studies::portrait::scene_picture;
 
 /// `sweep list`.
@@ -116,7 +116,7 @@ fn row(scene: &Scene) -> serde_json::Value {
 pub(crate) fn terms(scene: &Scene) -> Vec<&'static str> {
     let present = match &scene.body {
         Body::Contact(body) => {
-            let contact = body.contact.as_ref();
+            let any = |part: fn(&Contact) -> bool| body.contact.iter().any(part);
             vec![
                 (true, "elasticity"),
                 (!body.material.regions.is_empty(), "regions"),
@@ -128,11 +128,11 @@ pub(crate) fn terms(scene: &Scene) -> Vec<&'static str> {
                     "history of a history",
                 ),
                 (body.material.projection.is_some(), "projection"),
-                (contact.is_some_and(|c| c.law.is_some()), "compliance"),
-                (contact.is_some_and(|c| c.gap.is_some()), "gap"),
-                (contact.is_some_and(|c| c.shift.is_some()), "shift"),
+                (any(|c| c.law.is_some()), "compliance"),
+                (any(|c| c.gap.is_some()), "gap"),
+                (any(|c| c.shift.is_some()), "shift"),
                 (body.domain.bilateral, "bilateral contact"),
-                (contact.is_some_and(|c| c.friction.is_some()), "friction"),
+                (any(|c| c.friction.is_some()), "friction"),
             ]
         }
         Body::Abstract(problem) => vec![

@@ -300,9 +300,8 @@ impl Pull {
 
     /// Warns where a law pulls at open contact, which a layer that is pressed cannot do.
     fn remark(&self, setup: &Setup) {
-        let contact = setup.body.contact.as_ref();
-        let law = contact.and_then(|contact| contact.law.as_ref()).filter(|_| self.force < 0.0);
-        if let Some(instead) = law.and_then(Law::one_sided) {
+        let mut laws = setup.body.laws().filter(|_| self.force < 0.0);
+        if let Some(instead) = laws.find_map(Law::one_sided) {
             let text = format!(
                 "the contact law pulls the body with {} at t = {}: it is two-sided, p < 0 where contact is open; {instead} presses alone",
                 digits(self.force, 4),

@@ -397,7 +397,7 @@ fn on_contact(exact: &Exact, data: &MeshData, now: &Kept, errors: &mut Errors) {
         let members: Vec<usize> = trace.facet(f).iter().map(|&i| i as usize).collect();
         let vertices: Vec<u32> = members.iter().map(|&i| trace.points[i].vertex).collect();
         let normal = trace.points[members[0]].normal;
-        let program = exact.boundary(&normal[..d]).program;
+        let program = exact.boundary(data.space.side(f), &normal[..d]).program;
         let fields = |places: &[(Vec<f64>, f64)]| {
             let points: Vec<[f64; 3]> =
                 places.iter().map(|(b, _)| mesh.point(&vertices, b)).collect();

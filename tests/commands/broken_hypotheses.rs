@@ -14,7 +14,7 @@ use crate::shipped::{edited, text};
 ///
 /// 0.02 where the next term is a whole power of k smaller; 0.05 where it is a half power or the place of an event in its
 /// step alternates; 0.2 above a lower bound (h^0.8), 0.05 for the smooth rest of u beside the corner's h^0.5445.
-const DERIVED: [(&str, &str, f64, f64, f64); 19] = [
+const DERIVED: [(&str, &str, f64, f64, f64); 20] = [
     ("broken-kernel", "k", 1.5, 0.02, 0.02),
     ("broken-kernel-grid", "k", 1.5, 0.02, 0.02),
     ("broken-kernel-end", "k", 2.0, 0.02, 0.02),

@@ -40,7 +40,7 @@ fn paid_for_nothing(setup: &Setup, data: &MeshData, info: &CaseInfo) -> Vec<Stri
     zero(setup.body.material.memory.is_empty(), "bytes of history", info.peak_history_bytes);
     // Without bound and jumps a graph is one piece; that of friction jumps at rest.
     let one_piece = model.friction.is_none()
-        && model.boundary.as_ref().is_none_or(|boundary| {
+        && model.boundary.iter().all(|boundary| {
             let points = data.space.trace.points.iter();
             let mut places = points.map(|point| data.space.mesh.point(&[point.vertex], &[1.0]));
             boundary.potential.jumps().is_empty()
@@ -76,7 +76,7 @@ fn absent_terms_cost_nothing() {
         assert_eq!(paid_for_nothing(&setup, &data, &info), Vec::<String>::new());
         let terms = [
             (!setup.body.material.memory.is_empty(), info.peak_history_bytes),
-            (setup.model.boundary.is_some(), info.active_set_changes as usize),
+            (!setup.model.boundary.is_empty(), info.active_set_changes as usize),
             (setup.model.projection.is_some(), info.work.tangents as usize),
         ];
         for (i, (present, count)) in terms.into_iter().enumerate() {
@@ -96,7 +96,7 @@ fn absent_terms_cost_nothing() {
 #[test]
 fn a_term_that_is_paid_for_in_vain_is_found() {
     let mut setups = bodies();
-    let bare = |s: &Setup| s.body.material.memory.is_empty() && s.model.boundary.is_none();
+    let bare = |s: &Setup| s.body.material.memory.is_empty() && s.model.boundary.is_empty();
     let mut setup = setups.find(bare).expect("a scene without memory and contact");
     let data = on_a_mesh(&setup);
     let kernel = Box::new(ExponentialSum { terms: vec![(0.0, 1.0)] });
@@ -226,7 +226,7 @@ impl Potential for CountedNothing {
 fn questions(name: &str, rule: BoundaryRule, says_so: bool) -> (usize, usize) {
     let mut setup = super::shipped::setup(name);
     let asked = Asked::default();
-    let boundary = setup.model.boundary.as_mut().expect("a scene with contact");
+    let boundary = setup.model.boundary.first_mut().expect("a scene with contact");
     (boundary.potential, boundary.rule) = (Arc::new(CountedNothing(asked.clone(), says_so)), rule);
     let data = on_a_mesh(&setup);
     let (mut load, grid) = (TruthLoad(&*data.truth), setup.grid(STEPS));

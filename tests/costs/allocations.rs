@@ -278,7 +278,7 @@ fn more_with_twice_the_steps(case: &Case, wasteful: bool) -> u64 {
     }
     let (projected, mu) = (setup.model.projection.is_some(), setup.projection_mu());
     let mut model = setup.model;
-    if let Some(boundary) = &mut model.boundary {
+    for boundary in &mut model.boundary {
         let gap = (boundary.gap)([0.0; 3], 0.0);
         boundary.gap = Box::new(move |_, _| gap);
         boundary.shift = Box::new(|_| 0.0);

@@ -28,7 +28,7 @@ fn violations(findings: &Findings) -> Vec<String> {
 
 fn with_rule(name: &str, rule: BoundaryRule) -> Setup {
     let mut setup = setup(name);
-    if let Some(boundary) = &mut setup.model.boundary {
+    for boundary in &mut setup.model.boundary {
         boundary.rule = rule;
     }
     setup
@@ -180,7 +180,7 @@ fn another_scheme_fails_the_sum() {
         ("law", ["affine", "in-space"], |model| {
             let points = vec![(0.0, 0.0), (0.04, 0.08), (0.10, 0.051)];
             let law = PiecewiseLinear::new(points, 0.0, 0.0).expect("a law");
-            model.boundary.as_mut().expect("contact").potential = Arc::new(law);
+            model.boundary.first_mut().expect("contact").potential = Arc::new(law);
         }),
     ];
     for (what, names, spoil) in spoils {

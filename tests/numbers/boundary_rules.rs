@@ -13,7 +13,7 @@ const MESHES: [u32; 3] = [8, 16, 32];
 /// max over n of ‖ε(u_n - u_n^{kh})‖ by mesh.
 fn v_errors(name: &str, rule: BoundaryRule) -> Vec<f64> {
     let mut setup = setup(name);
-    setup.model.boundary.as_mut().expect("contact").rule = rule;
+    setup.model.boundary.first_mut().expect("contact").rule = rule;
     let largest = |n: u32| {
         let found = crate::shipped::errors(&setup, &setup.model, &on_mesh(&setup, n), 4);
         found.iter().fold(0.0f64, |worst, e| if e.v.is_nan() { e.v } else { worst.max(e.v) })
@@ -47,7 +47,7 @@ fn the_three_rules_have_the_same_order() {
 fn the_rules_differ_as_the_gallery_says() {
     let largest = |name: &str, rule: BoundaryRule, of: fn(&StepErrors) -> f64| {
         let mut setup = setup(name);
-        setup.model.boundary.as_mut().expect("contact").rule = rule;
+        setup.model.boundary.first_mut().expect("contact").rule = rule;
         let found = crate::shipped::errors(&setup, &setup.model, &on_mesh(&setup, 32), 64);
         found.iter().map(of).fold(0.0f64, |worst, e| if e.is_nan() { e } else { worst.max(e) })
     };

@@ -253,7 +253,7 @@ fn the_prediction_does_not_move_with_the_model() {
     let (broken, _) = affine_with(
         |setup| {
             setup.model.elasticity = setup.model.elasticity.scaled(2.0);
-            setup.model.boundary = None;
+            setup.model.boundary.clear();
             setup.model.projection = None;
             setup.model.memory.clear();
         },

@@ -110,8 +110,8 @@ fn with_power(mut setup: Setup, power: f64) -> Setup {
 type Points = Vec<(f64, f64)>;
 
 fn with_law(mut setup: Setup, law: fn(&[[f64; 2]]) -> Points) -> Setup {
-    let written = setup.body.contact.as_ref().and_then(|contact| contact.law.clone());
-    if let (Some(boundary), Some(written)) = (&mut setup.model.boundary, written) {
+    let written = setup.body.contact.first().and_then(|contact| contact.law.clone());
+    if let (Some(boundary), Some(written)) = (setup.model.boundary.first_mut(), written) {
         let wrong =
             PiecewiseLinear::new(law(&written.points), written.slope_before, written.slope_after);
         boundary.potential = Arc::new(wrong.expect("a law")) as Arc<dyn Potential>;
@@ -120,7 +120,7 @@ fn with_law(mut setup: Setup, law: fn(&[[f64; 2]]) -> Points) -> Setup {
 }
 
 fn with_gap(mut setup: Setup, seen: fn(f64) -> f64) -> Setup {
-    if let Some(boundary) = &mut setup.model.boundary {
+    for boundary in &mut setup.model.boundary {
         let gap = std::mem::replace(&mut boundary.gap, Box::new(|_, _| 0.0));
         boundary.gap = Box::new(move |x, t| seen(gap(x, t)));
     }
@@ -279,7 +279,7 @@ fn defects() -> Vec<(&'static str, &'static str, Suspect, Hook)> {
             s
         }),
         ("signorini", "gap at every other vertex", Gap, |mut s| {
-            if let Some(boundary) = &mut s.model.boundary {
+            for boundary in &mut s.model.boundary {
                 let gap = std::mem::replace(&mut boundary.gap, Box::new(|_, _| f64::INFINITY));
                 boundary.gap = Box::new(move |x, t| {
                     if (8.0 * x[0]).round() % 2.0 == 0.0 { f64::INFINITY } else { gap(x, t) }
@@ -383,7 +383,7 @@ fn long_quadratic_elements_and_singular_kernels_are_diagnosed() {
             s
         }),
         ("quadratic-compliance", Compliance, |mut s| {
-            if let Some(boundary) = &mut s.model.boundary {
+            for boundary in &mut s.model.boundary {
                 let sound = std::mem::replace(&mut boundary.shift, Box::new(|_| 0.0));
                 boundary.shift = Box::new(move |x| sound(x) + 0.01);
             }

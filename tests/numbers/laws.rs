@@ -24,7 +24,7 @@ const NS: [u32; 3] = [8, 16, 32];
 const STEPS: u32 = 4;
 
 fn potential(setup: &Setup) -> Arc<dyn Potential> {
-    setup.model.boundary.as_ref().expect("contact").potential.clone()
+    setup.model.boundary.first().expect("contact").potential.clone()
 }
 
 fn with_potential(
@@ -32,7 +32,7 @@ fn with_potential(
     wrong: impl FnOnce(Arc<dyn Potential>) -> Arc<dyn Potential>,
 ) -> Setup {
     let mut setup = setup(name);
-    let boundary = setup.model.boundary.as_mut().expect("contact");
+    let boundary = setup.model.boundary.first_mut().expect("contact");
     boundary.potential = wrong(boundary.potential.clone());
     setup
 }
@@ -102,7 +102,7 @@ fn constants_hold_and_understated_ones_are_caught() {
         for (found, expected) in found.iter().zip(by_hand) {
             assert!((found - expected).abs() <= 1e-13 * expected.max(1.0), "{name}: {found}");
         }
-        let scene = setup.body.contact.as_ref().and_then(|contact| contact.law.clone());
+        let scene = setup.body.contact.first().and_then(|contact| contact.law.clone());
         assert!((scene.expect("a law").alpha() - by_hand[0]).abs() < 1e-13, "{name}");
         assert!(
             sampled::law(&*law).iter().all(|row| row.reason().is_none()),
@@ -142,7 +142,7 @@ fn a_factor_counts_in_the_constants() {
     let bump = edited(&text("law-scaled"), "scale = \"1 + 0.5*x\"", "scale = \"1 + 4*x*(1 - x)\"");
     let scene = Scene::from_source(Source::from_text("bump.toml", bump)).expect("a scene");
     let Body::Contact(body) = &scene.body else { panic!("contact") };
-    let law = body.contact.as_ref().and_then(|contact| contact.law.clone()).expect("a law");
+    let law = body.contact.first().and_then(|contact| contact.law.clone()).expect("a law");
     // The bound of the bend between 2049 samples adds (1/2048)²/8 · 8.
     assert!((law.alpha() - 1.0).abs() < 1e-6 && law.alpha() >= 1.0 - 1e-12, "{}", law.alpha());
 }
@@ -169,7 +169,7 @@ fn wrong_laws_lose_the_order() {
     };
     // A factor that grows to 3 along the side, in the law and in the exact pressure.
     let mut unscaled = setup_of(text("law-scaled").replace("1 + 0.5*x", "1 + 2*x"));
-    unscaled.model.boundary.as_mut().expect("contact").scale = None;
+    unscaled.model.boundary.first_mut().expect("contact").scale = None;
     let wrong = [
         ("jump of half the height", with_potential("law-jump", |_| layer(0.025))),
         (
@@ -302,7 +302,7 @@ fn distance(setup: &Setup, data: &MeshData, steps: u32) -> Result<(f64, f64, u32
 fn decompositions_that_agree(setups: impl Iterator<Item = Setup>) -> [u32; 2] {
     let (mut compared, mut concave) = (0, 0);
     for setup in setups {
-        let (scene, contact) = (&setup.scene, setup.body.contact.as_ref());
+        let (scene, contact) = (&setup.scene, setup.body.contact.first());
         // Beyond (2.9) neither solver is promised anything.
         if contact.is_none_or(|c| c.law.is_none() && c.gap.is_none())
             || scene.violates.contains(&Hypothesis::Smallness)
@@ -374,7 +374,7 @@ fn the_proofs_hold_line_by_line() {
         assert!(found.holds(), "{name}: {:?}", found.claims);
         // An audit that ignores the factor is no audit of this scene.
         if name == "law-scaled" {
-            setup.model.boundary.as_mut().expect("contact").scale = None;
+            setup.model.boundary.first_mut().expect("contact").scale = None;
             assert!(!audit(&setup, &[8], &[2]).expect("an audit").holds());
         }
     }
@@ -428,7 +428,7 @@ fn both_sides_have_the_same_curved_laws() {
         };
         assert!((1.95..=2.05).contains(&order(&sound)), "{law}: {}", order(&sound));
         let mut wrong = setup_of(other);
-        let boundary = wrong.model.boundary.as_mut().expect("contact");
+        let boundary = wrong.model.boundary.first_mut().expect("contact");
         let potential = boundary.potential.clone();
         boundary.potential = Arc::new(Scaled { potential, factor: 1.01 });
         assert!(order(&wrong) < 1.0, "{law}: {}", order(&wrong));

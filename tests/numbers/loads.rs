@@ -160,7 +160,7 @@ fn the_contact_quadrature_does_not_decide_the_v_error() {
         let vertex = setup(scene);
         let gauss =
             setup_of(edited(&text(scene), "quadrature = \"vertex\"", "quadrature = \"gauss\""));
-        let rule = |setup: &Setup| setup.model.boundary.as_ref().map(|boundary| boundary.rule);
+        let rule = |setup: &Setup| setup.model.boundary.first().map(|boundary| boundary.rule);
         assert_eq!(rule(&vertex), Some(BoundaryRule::Vertex));
         assert_eq!(rule(&gauss), Some(BoundaryRule::Gauss));
         let [a, b] = [&vertex, &gauss].map(|s| v_max(s, &s.model, &on_mesh(s, 16), 8));

@@ -49,6 +49,7 @@ mod second_integral;
 mod separate_evaluation;
 #[path = "../shipped/mod.rs"]
 mod shipped;
+mod side_laws;
 mod singular;
 mod static_friction;
 mod step_size;

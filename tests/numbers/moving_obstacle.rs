@@ -131,7 +131,7 @@ fn a_gap_that_moves_is_a_load_of_the_lifted_problem() {
         assert!(0 < held && held < points, "{d} {more}: {held} of {points} points are locked");
 
         let mut model = setup.scene_model();
-        model.boundary.as_mut().expect("contact").gap = Box::new(|_, _| 0.0);
+        model.boundary.first_mut().expect("contact").gap = Box::new(|_, _| 0.0);
         let (grid, sound) = (setup.grid(STEPS), TruthLoad(&*data.truth));
         let mut load = Lifted { sound, space, model: &setup.model, grid: grid.clone() };
         let mut lifted = levels(&setup, &model, &data, &mut load);
@@ -144,7 +144,7 @@ fn a_gap_that_moves_is_a_load_of_the_lifted_problem() {
         let late = |t: f64| (t - 1.0 / f64::from(STEPS)).max(0.0);
         for (name, of) in [("of t = 0", (|_| 0.0) as fn(f64) -> f64), ("of the level before", late)]
         {
-            model.boundary.as_mut().expect("contact").gap = Box::new(move |x, t| gap(x, of(t)));
+            model.boundary.first_mut().expect("contact").gap = Box::new(move |x, t| gap(x, of(t)));
             let wrong = levels(&setup, &model, &data, &mut TruthLoad(&*data.truth));
             let off = largest_difference(&wrong, &lifted);
             assert!(off > SEEN, "{d} {more}, the gap {name}: {off:e}");

@@ -103,7 +103,10 @@ const ANGLES: [f64; 4] = [0.3, 1.0, -2.2, std::f64::consts::FRAC_PI_4];
 fn a_turned_scene_has_the_turned_solution() {
     for rule in [BoundaryRule::Vertex, BoundaryRule::Gauss, BoundaryRule::Exact] {
         let mut setup = setup("punch");
-        setup.model.boundary.as_mut().unwrap().rule = rule;
+        let boundary = setup.model.boundary.first_mut().unwrap();
+        boundary.rule = rule;
+        // On all contact sides of the spaces below.
+        boundary.sides.clear();
         let data = on_mesh(&setup, N);
         for contact in [&["bottom"][..], &["bottom", "right"]] {
             let at = |turn: Turn| {

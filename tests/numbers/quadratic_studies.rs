@@ -31,7 +31,7 @@ fn on_quadratics(name: &str, before: &str) -> Setup {
 }
 
 fn with_law_at_nodes(mut setup: Setup) -> Setup {
-    if let Some(boundary) = &mut setup.model.boundary {
+    for boundary in &mut setup.model.boundary {
         boundary.rule = BoundaryRule::Vertex;
     }
     setup
@@ -99,7 +99,7 @@ fn defects_of_the_scheme_violate_lines() {
     let of_law = violated(|setup| {
         let points = vec![(0.0, 0.0), (0.04, 0.09), (0.10, 0.05)];
         let law = PiecewiseLinear::new(points, 0.0, 0.0).expect("a law");
-        setup.model.boundary.as_mut().expect("contact").potential = Arc::new(law);
+        setup.model.boundary.first_mut().expect("contact").potential = Arc::new(law);
     });
     for found in [of_memory, of_law] {
         assert!(found.contains(&"(4.9)"), "{found:?}");

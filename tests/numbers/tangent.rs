@@ -142,7 +142,7 @@ fn the_jacobian_is_the_derivative() {
         ("exact", BoundaryRule::Exact),
     ] {
         let setup = punch(quadrature);
-        let boundary = setup.model.boundary.as_ref().expect("contact");
+        let boundary = setup.model.boundary.first().expect("contact");
         assert_eq!(boundary.rule, rule);
         let space = on_mesh(&setup, 4).space;
         for pin in [false, true] {

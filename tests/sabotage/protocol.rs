@@ -33,7 +33,7 @@ const IN_SPACE: &[(&str, &str)] = &[(
 )];
 
 /// The columns. On its mesh of eight `signorini` has floors under its pressure: zones that cut cells.
-const SCENES: [Row; 15] = [
+const SCENES: [Row; 16] = [
     ("viscoelastic", &[], &[8, 16, 32], &[16]),
     ("prony", &[], &[2], &[4, 8, 16, 32, 64]),
     ("signorini", &[], &[16, 32, 64], &[8]),
@@ -49,13 +49,14 @@ const SCENES: [Row; 15] = [
     ("friction-time", &[], &[2], &[6, 12, 24, 48, 96]),
     ("friction-box-time", &[], &[2], &[6, 12, 24, 48, 96]),
     ("symmetry", &[], &[8, 16, 32], &[4]),
+    ("gap-and-law", &[], &[8, 16, 32], &[8]),
 ];
 
 /// A mistake of the catalogue, in other words where they say more to the author of a solver.
 type Mistake = (&'static str, Option<&'static str>);
 
 /// The scene that sees all mistakes of its group.
-const MISTAKES: [(&str, &[Mistake]); 11] = [
+const MISTAKES: [(&str, &[Mistake]); 12] = [
     (
         "viscoelastic",
         &[
@@ -65,6 +66,7 @@ const MISTAKES: [(&str, &[Mistake]); 11] = [
             ("first corner of Γ1 freed", None),
             ("an inner node of Γ1 freed", None),
             ("half of Γ1 freed", None),
+            ("one component alone clamped on half of Γ1", None),
             ("loads of the level before", None),
             ("loads taken for nodal densities and integrated again", None),
             ("no loads at the ends of one facet", None),
@@ -129,6 +131,10 @@ const MISTAKES: [(&str, &[Mistake]); 11] = [
             ("ζ explicit: its last weight on the level before", None),
             ("ζ without its square root", None),
         ],
+    ),
+    (
+        "gap-and-law",
+        &[("laws of two sides exchanged", None), ("gap of one side on all of Γ3", None)],
     ),
     (
         "moving-obstacle-time",

@@ -13,7 +13,6 @@ const AT_JUMP_WITHIN: f64 = 1e-9;
 /// The formulas of Γ3 bound to the nodes, corners first, and the points of the state rule of each facet.
 pub(super) struct StatePoints {
     sides: Vec<PartOfTrace>,
-    law: Option<LawNumbers>,
     /// Shape functions at the points, if the exact solution is an interpolant: u_ν and the pressure then come from the
     /// nodes.
     shapes: Option<Vec<Vec<f64>>>,
@@ -21,9 +20,10 @@ pub(super) struct StatePoints {
     facets: usize,
 }
 
-/// Facets of Γ3 with one normal.
+/// Facets of Γ3 with one normal and one law.
 struct PartOfTrace {
     facets: Vec<usize>,
+    law: Option<LawNumbers>,
     /// s at the points.
     shift: Vec<f64>,
     bound: SharedProgram,
@@ -33,13 +33,14 @@ impl StatePoints {
     /// Binds the formulas of `exact` on the trace of `space`, a plane mesh.
     pub(super) fn new(exact: &Exact, space: &Discretization, interpolated: bool) -> Self {
         let (mesh, trace, rule) = (&space.mesh, &space.trace, state_rule());
-        let contact = exact.data.contact.as_ref();
-        let shift = contact.and_then(|contact| contact.shift);
         let nodes = space.element.nodes(Simplex::facet(2));
         let functions = Shapes::of_facet(space.element, 2);
         let shapes = interpolated.then(|| rule.points.iter().map(|b| functions.at(b)).collect());
         let mut sides = Vec::new();
         for part in mesh.plane_parts(&trace.mesh_facet) {
+            let contact = exact.contact_on(part.side);
+            let shift = contact.and_then(|contact| contact.shift);
+            let law = contact.and_then(|contact| contact.law.clone());
             let facets = part.members;
             let places: Vec<&Vec<f64>> = nodes.iter().chain(&rule.points).collect();
             let points: Vec<[f64; 3]> = facets
@@ -51,12 +52,11 @@ impl StatePoints {
                 .collect();
             let graph = &exact.data.graph;
             let value = |x: &[f64; 3]| shift.map_or(0.0, |s| graph.evaluate(s, &(*x).into()));
-            let bound = exact.boundary(&part.normal[..2]).program.bind(&points);
+            let bound = exact.boundary(part.side, &part.normal[..2]).program.bind(&points);
             let shift = points.iter().map(value).collect();
-            sides.push(PartOfTrace { facets, shift, bound: bound.into() });
+            sides.push(PartOfTrace { facets, law, shift, bound: bound.into() });
         }
-        let law = contact.and_then(|contact| contact.law.clone());
-        Self { sides, law, shapes, nodes: nodes.len(), facets: trace.measure.len() }
+        Self { sides, shapes, nodes: nodes.len(), facets: trace.measure.len() }
     }
 
     /// The exact solution and its states at time t.
@@ -88,7 +88,7 @@ impl StatePoints {
                     let gap = value(gap);
                     let r = samples.normal[at] - value(&side.shift);
                     let locked = is_locked(samples.normal[at], gap);
-                    samples.state[at] = state(self.law.as_ref(), r, locked);
+                    samples.state[at] = state(side.law.as_ref(), r, locked);
                 }
             }
         }

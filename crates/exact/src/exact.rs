@@ -45,9 +45,11 @@ pub struct LawNumbers {
     pub curve: Option<CurveNumbers>,
 }
 
-/// Contact data as formulas.
+/// Contact data of a side as formulas.
 #[derive(Debug, Clone, Default)]
 pub struct ContactFormulas {
+    /// Its number.
+    pub side: u32,
     /// u_ν = 0, in place of a gap and a law.
     pub bilateral: bool,
     /// g(x), if there is a constraint.
@@ -102,8 +104,8 @@ pub struct ExactData {
     pub inner: Vec<(usize, Node)>,
     /// κ(ζ).
     pub kappa: Option<Node>,
-    /// Set if there is a Γ3 with law or gap.
-    pub contact: Option<ContactFormulas>,
+    /// One a side of Γ3.
+    pub contact: Vec<ContactFormulas>,
     /// T.
     pub horizon: f64,
     /// Lengths of the box from the origin that is, or (with `polytope`) contains, the domain.
@@ -315,22 +317,28 @@ impl Exact {
         self.data.graph.evaluate(kappa, &at)
     }
 
-    /// Programs on a boundary part with outward normal ν: [u_ν, c = ξ + λ, g]. ξ is the scene's selection, or else the
+    /// What a side of Γ3 has.
+    pub fn contact_on(&self, side: u32) -> Option<&ContactFormulas> {
+        self.data.contact.iter().find(|contact| contact.side == side)
+    }
+
+    /// Programs on a part of a side with outward normal ν: [u_ν, c = ξ + λ, g]. ξ is the scene's selection, or else the
     /// law at u_ν - s.
-    pub fn boundary(&self, normal: &[f64]) -> BoundaryFormulas {
-        self.boundary_at(normal, None)
+    pub fn boundary(&self, side: u32, normal: &[f64]) -> BoundaryFormulas {
+        self.boundary_at(side, normal, None)
     }
 
     /// The fields of a side on a coordinate plane: terms that vanish there are left out.
     pub(super) fn boundary_at(
         &self,
+        side: u32,
         normal: &[f64],
         plane: Option<(Variable, f64)>,
     ) -> BoundaryFormulas {
         let mut graph = self.data.graph.clone();
         let u_nu = normal_component(&mut graph, &self.data.u, normal);
         let zero = graph.constant(0.0);
-        let contact = self.data.contact.as_ref();
+        let contact = self.contact_on(side);
         let law = contact.and_then(|contact| contact.compliance(&mut graph, u_nu));
         let xi = match (contact.and_then(|contact| contact.selection), law) {
             (Some(selection), _) => selection,

@@ -84,10 +84,10 @@ pub(super) fn facet_groups(
         let sampled = |rule: &Rule| Sampled::new(members.iter().map(|(_, f)| mesh.facet(*f)), rule);
         let facets: Vec<usize> = members.iter().map(|(_, f)| *f).collect();
         let plane = plane(mesh, &facets, &normal);
-        let friction = exact.friction_at(&normal[..d], plane);
+        let friction = exact.friction_at(part.side, &normal[..d], plane);
         groups.push(FacetGroup {
             normal,
-            formulas: exact.boundary_at(&normal[..d], plane),
+            formulas: exact.boundary_at(part.side, &normal[..d], plane),
             friction: friction.map(|friction| (friction, sampled(rule))),
             points: sampled(rule),
             samples: sampled(&samples),

@@ -117,18 +117,20 @@ fn tangents(normal: &[f64]) -> Tangents {
 }
 
 impl Exact {
-    /// s, u_τ and S for the outward normal ν; None without friction.
-    pub fn friction(&self, normal: &[f64]) -> Option<FrictionOnSide> {
-        self.friction_at(normal, None)
+    /// s, u_τ and S on a side for the outward normal ν; None without friction.
+    pub fn friction(&self, side: u32, normal: &[f64]) -> Option<FrictionOnSide> {
+        self.friction_at(side, normal, None)
     }
 
     /// The friction on a coordinate plane.
     pub(super) fn friction_at(
         &self,
+        side: u32,
         normal: &[f64],
         plane: Option<(Variable, f64)>,
     ) -> Option<FrictionOnSide> {
-        let friction = self.data.contact.as_ref()?.friction.as_ref()?;
+        let contact = self.contact_on(side)?;
+        let friction = contact.friction.as_ref()?;
         let (mut graph, tangents) = (self.data.graph.clone(), tangents(normal));
         let d = normal.len();
         let along = |graph: &mut Graph, vector: &[Node]| -> Vec<Node> {
@@ -138,7 +140,7 @@ impl Exact {
         let u_tau = along(&mut graph, &self.data.u);
         let slip = length_formula(&mut graph, &u_tau);
         let u_nu = normal_component(&mut graph, &self.data.u, normal);
-        let p = self.data.contact.as_ref().and_then(|contact| contact.compliance(&mut graph, u_nu));
+        let p = contact.compliance(&mut graph, u_nu);
         let bound = friction.bound.formula(&mut graph, slip, p);
         let s = match &friction.multiplier {
             None => slipping(&mut graph, (&u_tau, slip), bound),

@@ -157,12 +157,12 @@ impl InterpolatedOnMesh {
 
     /// Adds ∫_{Γ3} c v_ν + s v_τ: λ and s at the vertices, where their conditions are, ξ by the rule.
     fn add_contact_pressure(&self, t: f64, force: &mut [f64]) {
-        let contact = self.exact.data.contact.as_ref();
-        let law = contact.and_then(|contact| contact.law.as_ref());
-        let on_facets = law.filter(|_| self.rule != ComplianceRule::Vertex);
-        // Of [u_ν, ξ + λ, g, ξ, λ]: all of the pressure, or only λ.
-        let field = if on_facets.is_some() { 4 } else { 1 };
         for side in &self.boundary {
+            let contact = self.exact.contact_on(side.side);
+            let law = contact.and_then(|contact| contact.law.as_ref());
+            let on_facets = law.filter(|_| self.rule != ComplianceRule::Vertex);
+            // Of [u_ν, ξ + λ, g, ξ, λ]: all of the pressure, or only λ.
+            let field = if on_facets.is_some() { 4 } else { 1 };
             let values = side.evaluate(t);
             for ((&i, weight), pressure) in
                 side.members.iter().zip(&side.weights).zip(&values[field])

@@ -18,6 +18,7 @@ use super::truth::{ByTime, Truth};
 use fem::contact::{Discretization, LoadError};
 use fem::norms::{ContactSamples, Moments};
 use fem::space::quadrature::{Rule, TruthRules};
+use formula::Node;
 
 /// An exact solution on one mesh of its dimension.
 pub struct ExactOnMesh {
@@ -37,6 +38,8 @@ pub struct ExactOnMesh {
     loads: ByTime<Vec<f64>>,
     moments: ByTime<KnownMoments>,
     cuts: Option<Cuts>,
+    /// Where f0 jumps, in the strong form.
+    force_cuts: Option<Cuts>,
     state_points: OnceLock<StatePoints>,
 }
 
@@ -62,9 +65,12 @@ impl ExactOnMesh {
         let contact = facet_groups(&exact, &space, &space.trace.mesh_facet, &rules.side);
         let regions = exact.cell_regions(&space.mesh);
         let fields = [&exact.data.u[..], &exact.strain].concat();
-        let cells = (0..space.mesh.cell_count()).map(|c| space.mesh.cell(c));
-        let graph = &exact.data.graph;
-        let cuts = Cuts::new(graph, &fields, exact.data.horizon, &space.mesh, cells);
+        let cuts = |fields: &[Node]| {
+            let cells = (0..space.mesh.cell_count()).map(|c| space.mesh.cell(c));
+            Cuts::new(&exact.data.graph, fields, exact.data.horizon, &space.mesh, cells)
+        };
+        let force_cuts = (form == LoadForm::Strong).then(|| cuts(&exact.body_force)).flatten();
+        let cuts = cuts(&fields);
         let free: Vec<u32> = space.mesh.facets_on(traction).map(|f| f as u32).collect();
         Self {
             stress_points: (rules.stress != rules.error).then(|| cell_points(&rules.stress)),
@@ -79,6 +85,7 @@ impl ExactOnMesh {
             loads: ByTime::default(),
             moments: ByTime::default(),
             cuts,
+            force_cuts,
             state_points: OnceLock::new(),
         }
     }

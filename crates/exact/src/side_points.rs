@@ -14,6 +14,8 @@ use fem::mesh::PlanePart;
 pub(super) struct SidePoints {
     /// ν, padded with zeros.
     pub(super) normal: [f64; 3],
+    /// The side they are on.
+    pub(super) side: u32,
     pub(super) members: Vec<usize>,
     pub(super) facets: Vec<usize>,
     /// ∫ φ over the side, of each member.
@@ -49,7 +51,7 @@ pub(super) fn side_points(exact: &Exact, space: &Discretization) -> Vec<SidePoin
             members.iter().map(|&i| mesh.point(&[trace.points[i].vertex], &[1.0])).collect();
         let mut normal = [0.0; 3];
         normal[..d].copy_from_slice(&part.normal[..d]);
-        let formulas = exact.boundary(&normal[..d]);
+        let formulas = exact.boundary(part.side, &normal[..d]);
         let mut of_vertex = HashMap::new();
         let means = Shapes::of_facet(space.element, d).means();
         for &f in &facets {
@@ -61,10 +63,10 @@ pub(super) fn side_points(exact: &Exact, space: &Discretization) -> Vec<SidePoin
         }
         let weights = members.iter().map(|&i| of_vertex[&trace.points[i].vertex]).collect();
         let bound = formulas.program.bind(&points).into();
-        let friction = exact.friction(&normal[..d]);
+        let friction = exact.friction(part.side, &normal[..d]);
         let friction =
             friction.map(|on_side| (on_side.tangents, on_side.program.bind(&points).into()));
-        SidePoints { normal, facets, weights, bound, members, friction }
+        SidePoints { normal, side: part.side, facets, weights, bound, members, friction }
     };
     mesh.plane_parts(&trace.mesh_facet).into_iter().map(of_part).collect()
 }

@@ -1,21 +1,26 @@
-//! `[contact]`: gap, shift, law, quadrature and friction on Γ3, all optional, or u_ν = 0 there in place of a normal law.
+//! `[contact]`: gap, shift, law, quadrature and friction on Γ3, all optional, or u_ν = 0 there in place of a normal law;
+//! `[[contact]]` with `sides` where sides differ.
 
 use fem::contact::BoundaryRule as ContactQuadrature;
 use formula::Node;
 
-use super::domain::Domain;
+use super::domain::{Domain, Face, Side, place};
 use super::friction::Friction;
 use super::gap::{finite_on_contact, gap};
 use super::law::Law;
 use super::law::Scale;
 use super::law::has_exact_rule;
-use super::reading::Reading;
-use super::source::SceneError;
+use super::reading::{Reading, join};
+use super::source::{Result, SceneError};
 use super::time::Time;
 
-/// (5.5) on Γ3: u_ν ≤ g, and ξ ∈ p(u_ν - s); friction in place of (5.6).
+/// (5.5) on some sides of Γ3: u_ν ≤ g, and ξ ∈ p(u_ν - s); friction in place of (5.6).
 #[derive(Debug, Clone, PartialEq)]
 pub struct Contact {
+    /// Its key: `contact`, or `contact.0` and so on in a list.
+    pub key: String,
+    /// Its sides: those of the domain, each in one contact.
+    pub sides: Vec<Side>,
     /// g, a formula in x, y and t; None is g = ∞.
     pub gap: Option<Node>,
     /// s, a formula in x, y; None is 0.
@@ -25,16 +30,33 @@ pub struct Contact {
     pub friction: Option<Box<Friction>>,
 }
 
+/// The tables of contact by their keys: `[contact]`, or each `[[contact]]`.
+pub(super) fn tables(reading: &Reading) -> Result<Vec<String>> {
+    if !reading.is_list("contact") {
+        return Ok(vec!["contact".into()]);
+    }
+    Ok(reading.entries("contact")?.map(|i| join("contact", &i.to_string())).collect())
+}
+
 impl Contact {
-    /// The contact of a scene: present exactly if the domain has contact sides.
+    /// The contact of a scene: none exactly if the domain has no contact sides.
     pub(super) fn validate(
         reading: &mut Reading,
         domain: &Domain,
         time: &Time,
-    ) -> Result<Option<Contact>, SceneError> {
+    ) -> Result<Vec<Contact>> {
         let (key, message, hint) = match (reading.has("contact"), domain.contact.is_empty()) {
-            (false, true) => return Ok(None),
-            (true, false) => return Contact::parts(reading, domain, time).map(Some),
+            (false, true) => return Ok(Vec::new()),
+            (true, false) => {
+                let tables = tables(reading)?;
+                let all: Vec<Contact> = tables
+                    .iter()
+                    .map(|key| Contact::parts(reading, (key, tables.len()), domain, time))
+                    .collect::<Result<_>>()?;
+                each_side_once(reading, domain, &all)?;
+                apart(reading, domain, &all)?;
+                return Ok(all);
+            }
             (false, false) => (
                 "domain.contact",
                 "contact sides, but no part [contact]",
@@ -49,35 +71,146 @@ impl Contact {
         Err(reading.error(key, message, hint))
     }
 
-    fn parts(reading: &mut Reading, domain: &Domain, time: &Time) -> Result<Contact, SceneError> {
-        let gap =
-            reading.if_given("contact.gap", |reading, key| gap(reading, key, domain, time))?;
+    fn parts(
+        reading: &mut Reading,
+        (table, count): (&str, usize),
+        domain: &Domain,
+        time: &Time,
+    ) -> Result<Contact> {
+        let key = |name: &str| join(table, name);
+        let sides = sides(reading, (table, count), domain)?;
+        let domain = &Domain { contact: sides.clone(), ..domain.clone() };
+        let gap = reading.if_given(&key("gap"), |reading, key| gap(reading, key, domain, time))?;
         let shift = reading
-            .if_given("contact.shift", |reading, key| finite_on_contact(reading, key, domain))?;
-        let law = reading.if_given("contact.law", |reading, key| Law::validate(reading, key))?;
+            .if_given(&key("shift"), |reading, key| finite_on_contact(reading, key, domain))?;
+        let law = reading.if_given(&key("law"), |reading, key| Law::validate(reading, key))?;
         let mut law = law.flatten();
         if let Some(law) = &mut law {
-            law.scale = reading.if_given("contact.law.scale", |reading, key| {
+            law.scale = reading.if_given(&key("law.scale"), |reading, key| {
                 Scale::validate(reading, key, domain)
             })?;
         }
+        let in_a_list = table != "contact" && reading.has(&key("bilateral"));
+        let message = "bilateral contact holds on all contact sides";
+        let hint = "use one [contact] for all contact sides, or remove `bilateral`";
+        reading.refuse_if(in_a_list, &key("bilateral"), message, hint)?;
         let normal = [("gap", gap.is_some()), ("shift", shift.is_some()), ("law", law.is_some())];
-        for (key, given) in normal {
-            let message = format!("bilateral contact, and `{key}`: u_nu = 0 leaves nothing to it");
-            let hint = format!("remove `{key}`, or `bilateral`");
-            let given = domain.bilateral && given;
-            reading.refuse_if(given, &format!("contact.{key}"), message, hint)?;
+        for (name, given) in normal {
+            let message = format!("bilateral contact, and `{name}`: u_nu = 0 leaves nothing to it");
+            let hint = format!("remove `{name}`, or `bilateral`");
+            reading.refuse_if(domain.bilateral && given, &key(name), message, hint)?;
         }
-        let quadrature = quadrature(reading, law.as_ref(), domain)?;
-        let friction = reading.if_given("contact.friction", |reading, _| {
-            Friction::validate(reading, domain, time, (law.as_ref(), quadrature)).map(Box::new)
+        let quadrature = quadrature(reading, &key("quadrature"), law.as_ref(), domain)?;
+        let message = "friction beside other contact sides with a law of their own";
+        let hint = "use one [contact] for all contact sides, or remove the friction";
+        reading.refuse_if(
+            count > 1 && reading.has(&key("friction")),
+            &key("friction"),
+            message,
+            hint,
+        )?;
+        let friction = reading.if_given(&key("friction"), |reading, key| {
+            Friction::validate(reading, key, domain, time, (law.as_ref(), quadrature)).map(Box::new)
         })?;
-        Ok(Contact { gap: gap.flatten(), shift, law, quadrature, friction })
+        Ok(Contact {
+            key: table.to_string(),
+            sides,
+            gap: gap.flatten(),
+            shift,
+            law,
+            quadrature,
+            friction,
+        })
     }
 }
 
+/// `sides`, all contact sides where there is but one table.
+fn sides(reading: &Reading, (table, count): (&str, usize), domain: &Domain) -> Result<Vec<Side>> {
+    let key = join(table, "sides");
+    if !reading.has(&key) && count == 1 {
+        return Ok(domain.contact.clone());
+    }
+    let names: Vec<String> = reading.required(&key)?;
+    let message = "an empty list of sides";
+    let hint = "name contact sides: sides = [\"bottom\"]";
+    reading.refuse_if(names.is_empty(), &key, message, hint)?;
+    let known = domain.known();
+    let mut sides = Vec::new();
+    for (index, name) in names.iter().enumerate() {
+        let key = format!("{key}.{index}");
+        let side = reading.named(&key, name, &known)?;
+        let message = format!("`{name}` is not a contact side");
+        let hint = "list it in contact = [...] of [domain], or remove it here";
+        reading.refuse_if(!domain.contact.contains(&side), &key, message, hint)?;
+        sides.push(side);
+    }
+    Ok(sides)
+}
+
+/// Each contact side in exactly one table, and one quadrature for all.
+fn each_side_once(reading: &Reading, domain: &Domain, all: &[Contact]) -> Result<()> {
+    let mut seen: Vec<(Side, &str)> = Vec::new();
+    for part in all {
+        for (index, &side) in part.sides.iter().enumerate() {
+            let before = seen.iter().find(|(known, _)| *known == side);
+            let message =
+                format!("the contact side `{}` has two tables [[contact]]", domain.name(side));
+            let key = format!("{}.sides.{index}", part.key);
+            let hint = "name each contact side in one of them";
+            reading.refuse_if(before.is_some(), &key, message, hint)?;
+            seen.push((side, &part.key));
+        }
+        let message = "contact sides with different quadratures";
+        let hint = "use one for all of them";
+        let differs = part.quadrature != all[0].quadrature;
+        reading.refuse_if(differs, &join(&part.key, "quadrature"), message, hint)?;
+    }
+    let missing = domain.contact.iter().find(|side| !seen.iter().any(|(known, _)| known == *side));
+    match missing {
+        None => Ok(()),
+        Some(&side) => {
+            let name = domain.name(side);
+            let message = format!("the contact side `{name}` is in no table [[contact]]");
+            let hint =
+                format!("add [[contact]] with sides = [\"{name}\"]; it may hold no more than that");
+            Err(reading.error("contact", message, hint))
+        }
+    }
+}
+
+/// Contacts that meet do so at an angle: on one line or plane their common vertices would have two laws and one u_ν.
+fn apart(reading: &Reading, domain: &Domain, all: &[Contact]) -> Result<()> {
+    let faces = |part: &Contact| -> Vec<Face> {
+        part.sides.iter().flat_map(|&side| domain.faces(side)).collect()
+    };
+    let along = |a: &Face, b: &Face| {
+        let turn = (0..3).map(|i| (a.normal[i] - b.normal[i]).abs()).fold(0.0, f64::max);
+        turn <= SAME_NORMAL
+    };
+    for (i, part) in all.iter().enumerate() {
+        let of_part = faces(part);
+        for other in all[..i].iter().flat_map(faces) {
+            let straight = of_part.iter().filter(|face| along(face, &other));
+            let common = straight.flat_map(|face| face.corners()).find(|p| other.has_corner(*p));
+            if let Some(p) = common {
+                let message = format!(
+                    "contact sides with two laws meet at {} and go straight on: one vertex there has both",
+                    place(&p.into(), domain.dimension())
+                );
+                let hint = "use one [[contact]] for both sides, with `scale` in its law where only a factor differs, or put another side between them";
+                return Err(reading.error(&part.key, message, hint));
+            }
+        }
+    }
+    Ok(())
+}
+
+/// Directions that differ by less are one.
+const SAME_NORMAL: f64 = 1e-9;
+
 fn quadrature(
     reading: &Reading,
+    key: &str,
     law: Option<&Law>,
     domain: &Domain,
 ) -> Result<ContactQuadrature, SceneError> {
@@ -86,7 +219,7 @@ fn quadrature(
         ("gauss", ContactQuadrature::Gauss),
         ("exact", ContactQuadrature::Exact),
     ];
-    let chosen = reading.choice_or("contact.quadrature", &known, ContactQuadrature::Vertex)?;
+    let chosen = reading.choice_or(key, &known, ContactQuadrature::Vertex)?;
     let (exact, jumps) = (chosen == ContactQuadrature::Exact, law.is_some_and(Law::is_set_valued));
     let curve = law.and_then(|law| law.curve);
     let (message, hint) = match chosen {
@@ -105,5 +238,5 @@ fn quadrature(
         ),
         _ => return Ok(chosen),
     };
-    Err(reading.error("contact.quadrature", message, hint))
+    Err(reading.error(key, message, hint))
 }

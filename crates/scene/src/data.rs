@@ -8,7 +8,7 @@ use formula::{Node, Scope, Variable};
 use super::contact::Contact;
 use super::definitions::definitions;
 use super::domain::{Domain, Side, place};
-use super::reading::{Formula, Reading, in_time};
+use super::reading::{Formula, Reading, in_time, join};
 use super::source::Result;
 use super::time::Time;
 
@@ -23,10 +23,10 @@ pub enum Data {
     /// A known solution; its loads are derived.
     Exact {
         u: Vec<Node>,
-        /// λ ≥ 0, supported where u_ν = g; None is 0.
-        multiplier: Option<Node>,
-        /// ξ ∈ p(u_ν - s) where p is set-valued; None if p(u_ν - s) is a number.
-        selection: Option<Node>,
+        /// λ ≥ 0 by sides, supported where u_ν = g; 0 on others.
+        multiplier: Vec<(Side, Node)>,
+        /// ξ ∈ p(u_ν - s) by sides where p is set-valued; elsewhere p(u_ν - s) is a number.
+        selection: Vec<(Side, Node)>,
         /// s = -σ_τ: in the plane one formula, along the tangent; in space three. None is S u_τ/|u_τ|, and 0 where u_τ
         /// = 0.
         friction: Option<Vec<Node>>,
@@ -52,10 +52,10 @@ impl Data {
         reading: &mut Reading,
         domain: &Domain,
         time: &Time,
-        contact: Option<&Contact>,
+        contact: &[Contact],
     ) -> Result<Data> {
         match (reading.has("exact"), reading.has("loads")) {
-            (true, false) => exact_solution(reading, domain.dimension(), contact),
+            (true, false) => exact_solution(reading, domain, contact),
             (false, true) => given_loads(reading, domain, time),
             (true, true) => {
                 let message =
@@ -71,12 +71,9 @@ impl Data {
     }
 }
 
-fn exact_solution(
-    reading: &mut Reading,
-    dimension: usize,
-    contact: Option<&Contact>,
-) -> Result<Data> {
-    let has = |part: fn(&Contact) -> bool| contact.is_some_and(part);
+fn exact_solution(reading: &mut Reading, domain: &Domain, contact: &[Contact]) -> Result<Data> {
+    let dimension = domain.dimension();
+    let has = |part: fn(&Contact) -> bool| contact.iter().any(part);
     let needs = [
         (
             "exact.multiplier",
@@ -105,12 +102,49 @@ fn exact_solution(
     let form = reading.choice_or("exact.form", &forms, LoadForm::Weak)?;
     let scope = definitions(reading, reading.space_and_time(dimension))?;
     let u = reading.vector("exact.u", dimension, &scope)?;
-    let mut optional = |key| reading.if_given(key, |reading, key| reading.formula(key, &scope));
-    let (multiplier, selection) = (optional("exact.multiplier")?, optional("exact.selection")?);
+    let with = |part: fn(&Contact) -> bool| -> Vec<Side> {
+        contact.iter().filter(|contact| part(contact)).flat_map(|c| c.sides.clone()).collect()
+    };
+    let (held, pressed) = (with(|c| c.gap.is_some()), with(|c| c.law.is_some()));
+    let multiplier = by_side(reading, "exact.multiplier", domain, &held, &scope)?;
+    let selection = by_side(reading, "exact.selection", domain, &pressed, &scope)?;
     let friction = reading
         .if_given("exact.friction", |reading, key| friction(reading, key, dimension, &scope))?;
     let interpolated = reading.optional("exact.interpolated")?.unwrap_or(false);
     Ok(Data::Exact { u, multiplier, selection, friction, interpolated, form })
+}
+
+/// One formula for all of some sides, or one for each of them that is named: `multiplier = { left = "0.1*t" }`.
+fn by_side(
+    reading: &mut Reading,
+    key: &str,
+    domain: &Domain,
+    sides: &[Side],
+    scope: &Scope,
+) -> Result<Vec<(Side, Node)>> {
+    if !reading.has(key) {
+        return Ok(Vec::new());
+    }
+    if !reading.has_parts(key) {
+        let node = reading.formula(key, scope)?;
+        return Ok(sides.iter().map(|&side| (side, node)).collect());
+    }
+    let written: BTreeMap<String, Formula> = reading.required(key)?;
+    let mut found = Vec::new();
+    for (name, formula) in &written {
+        let key = join(key, name);
+        let side = reading.named(&key, name, &domain.known())?;
+        let message = format!("the side `{name}` has no {}", last_of_needs(&key));
+        let hint = "name contact sides with a gap for multipliers, with a law for selections";
+        reading.refuse_if(!sides.contains(&side), &key, message, hint)?;
+        found.push((side, reading.compiled(&key, formula, scope)?));
+    }
+    Ok(found)
+}
+
+/// What a contact side needs for the table of a key.
+fn last_of_needs(key: &str) -> &'static str {
+    if key.starts_with("exact.multiplier") { "gap" } else { "law" }
 }
 
 /// One formula along the tangent in the plane, a vector in space: `friction = "0.1"`, `friction = ["0.1", "0", "0.05"]`.

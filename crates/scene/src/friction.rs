@@ -7,7 +7,7 @@ use formula::{EvaluationPoint, Node};
 
 use super::domain::{Domain, Face, place};
 use super::law::Law;
-use super::reading::{Reading, in_time};
+use super::reading::{Reading, in_time, join};
 use super::source::Result;
 use super::time::Time;
 
@@ -17,7 +17,6 @@ const TIMES: u32 = 32;
 /// Relative distance below which ends of faces are one vertex.
 const SAME_PLACE: f64 = 1e-9;
 
-const BOUND: &str = "contact.friction.bound";
 /// Kinds of a bound with their keys.
 pub(super) const BOUNDS: [(&str, &str); 2] = [("slip", "points"), ("coulomb", "coefficient")];
 
@@ -30,16 +29,18 @@ pub struct Friction {
 impl Friction {
     pub(super) fn validate(
         reading: &mut Reading,
+        key: &str,
         domain: &Domain,
         time: &Time,
         normal: (Option<&Law>, ContactQuadrature),
     ) -> Result<Self> {
-        one_tangent_a_vertex(reading, domain)?;
-        let bound = match reading.has_parts(BOUND) {
-            false => given(reading, domain, time)?,
-            true => match reading.kind(BOUND, &BOUNDS)? {
-                "coulomb" => FrictionBound::Coulomb(coulomb(reading, normal)?),
-                _ => FrictionBound::Slip(slip(reading)?),
+        one_tangent_a_vertex(reading, key, domain)?;
+        let key = &join(key, "bound");
+        let bound = match reading.has_parts(key) {
+            false => given(reading, key, domain, time)?,
+            true => match reading.kind(key, &BOUNDS)? {
+                "coulomb" => FrictionBound::Coulomb(coulomb(reading, key, normal)?),
+                _ => FrictionBound::Slip(slip(reading, key)?),
             },
         };
         Ok(Self { bound })
@@ -65,15 +66,15 @@ impl Friction {
 }
 
 /// S(x, t), finite and nonnegative at the samples.
-fn given(reading: &mut Reading, domain: &Domain, time: &Time) -> Result<FrictionBound> {
+fn given(reading: &mut Reading, key: &str, domain: &Domain, time: &Time) -> Result<FrictionBound> {
     let d = domain.dimension();
     let scope = reading.space_and_time(d);
-    let node = reading.formula(BOUND, &scope)?;
+    let node = reading.formula(key, &scope)?;
     for &side in &domain.contact {
         let places = domain.points_on(side, SAMPLES[d - 2]);
         let points = in_time(&places, time.horizon, TIMES);
         let fits = |bound: f64| bound.is_finite() && bound >= 0.0;
-        reading.everywhere((BOUND, node), points, fits, |at, value| {
+        reading.everywhere((key, node), points, fits, |at, value| {
             let (here, side) = (place(at, d), domain.name(side));
             let message = format!("`bound` is {value} at {here}, t = {} on the side {side}", at.t);
             let hint = "the bound of the friction stress must be finite and not negative on every contact side and on [0, T]";
@@ -86,14 +87,15 @@ fn given(reading: &mut Reading, domain: &Domain, time: &Time) -> Result<Friction
 /// μ_f > 0, with a single-valued, nonnegative law of bounded rise, at the vertices.
 fn coulomb(
     reading: &mut Reading,
+    bound: &str,
     (law, quadrature): (Option<&Law>, ContactQuadrature),
 ) -> Result<f64> {
-    let key = "contact.friction.bound.coefficient";
+    let key = &join(bound, "coefficient");
     let scope = reading.scope(&[]);
     let node = reading.formula(key, &scope)?;
     let coefficient = reading.formulas.evaluate(node, &EvaluationPoint::default());
     let coefficient = reading.positive_number(key, coefficient)?;
-    let key = "contact.friction.bound.kind";
+    let key = &join(bound, "kind");
     let Some(law) = law else {
         let hint = "add law = { kind = \"linear\", stiffness = 2.0 } or another law to [contact], or give the bound";
         return Err(reading.error(key, "the bound mu p(u_nu) without a normal law p", hint));
@@ -127,8 +129,8 @@ fn coulomb(
     Ok(coefficient)
 }
 
-fn slip(reading: &Reading) -> Result<Vec<[f64; 2]>> {
-    let key = "contact.friction.bound.points";
+fn slip(reading: &Reading, bound: &str) -> Result<Vec<[f64; 2]>> {
+    let key = &join(bound, "points");
     let points = reading.points(key, "[r, S(r)]")?;
     for (index, &[r, bound]) in points.iter().enumerate() {
         let here = format!("{key}.{index}");
@@ -148,7 +150,7 @@ fn slip(reading: &Reading) -> Result<Vec<[f64; 2]>> {
 
 /// u_τ takes the unknowns left by u_ν: a vertex between two contact sides has too few, unless it is clamped. In space
 /// such sides meet along an edge.
-fn one_tangent_a_vertex(reading: &Reading, domain: &Domain) -> Result<()> {
+fn one_tangent_a_vertex(reading: &Reading, key: &str, domain: &Domain) -> Result<()> {
     let of = |sides: &[super::Side]| -> Vec<Face> {
         sides.iter().flat_map(|side| domain.faces(*side)).collect()
     };
@@ -176,7 +178,7 @@ fn one_tangent_a_vertex(reading: &Reading, domain: &Domain) -> Result<()> {
                     place(&p.into(), d)
                 );
                 let hint = "turn the plane of symmetry, put another side between them, or remove [contact.friction]";
-                return Err(reading.key_error("contact.friction", message, hint));
+                return Err(reading.key_error(key, message, hint));
             }
             if contact[..i].iter().any(bends) && !held() {
                 let message = format!(
@@ -184,7 +186,7 @@ fn one_tangent_a_vertex(reading: &Reading, domain: &Domain) -> Result<()> {
                     place(&p.into(), d)
                 );
                 let hint = "put a traction or clamped side between contact sides, or remove [contact.friction]";
-                return Err(reading.key_error("contact.friction", message, hint));
+                return Err(reading.key_error(key, message, hint));
             }
         }
     }

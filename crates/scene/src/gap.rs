@@ -70,14 +70,19 @@ pub(super) fn gap(
     if !reading.violates.contains(&Hypothesis::ConcaveGap) {
         for n in 0..=times {
             let t = time.horizon * f64::from(n) / f64::from(times.max(1));
-            concave(reading, gap, domain, t)?;
+            concave(reading, (key, gap), domain, t)?;
         }
     }
     Ok(Some(gap))
 }
 
 /// Refuses a gap that is not concave on a plane piece of a side: (5.14) uses U^h ⊂ U.
-fn concave(reading: &Reading, gap: Node, domain: &Domain, t: f64) -> Result<(), SceneError> {
+fn concave(
+    reading: &Reading,
+    (key, gap): (&str, Node),
+    domain: &Domain,
+    t: f64,
+) -> Result<(), SceneError> {
     for side in &domain.contact {
         let faces = domain.faces(*side);
         let intervals = samples(domain, &faces);
@@ -93,7 +98,7 @@ fn concave(reading: &Reading, gap: Node, domain: &Domain, t: f64) -> Result<(), 
             place(&point, domain.dimension())
         );
         let hint = "U^h ⊂ U needs a concave gap; to run it on purpose, write violates = [\"concave_gap\"] in [scene]";
-        return Err(reading.error("contact.gap", message, hint));
+        return Err(reading.error(key, message, hint));
     }
     Ok(())
 }

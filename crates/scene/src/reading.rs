@@ -331,6 +331,11 @@ impl Reading<'_> {
             .is_some_and(|value| matches!(value.get_ref(), DeValue::Table(_) | DeValue::Array(_)))
     }
 
+    /// Whether the value at a key is a list.
+    pub(super) fn is_list(&self, key: &str) -> bool {
+        self.at(key).is_some_and(|value| matches!(value.get_ref(), DeValue::Array(_)))
+    }
+
     /// The value at a key, if there is one.
     ///
     /// # Errors

@@ -1,10 +1,10 @@
 //! The scene as validated.
 
 use super::abstract_scene::{AbstractScene, MOST};
-use super::contact::Contact;
+use super::contact::{self, Contact};
 use super::data::Data;
 use super::definitions::parameters;
-use super::domain::{Domain, MESHES, with_mesh};
+use super::domain::{Domain, MESHES, Side, with_mesh};
 use super::friction::{BOUNDS, Friction};
 use super::law::{LAWS, Law};
 use super::material::{Material, TENSORS};
@@ -64,32 +64,43 @@ pub enum Body {
 pub struct ContactScene {
     pub domain: Domain,
     pub material: Material,
-    pub contact: Option<Contact>,
+    /// Each contact side is in one of them; none without contact.
+    pub contact: Vec<Contact>,
     pub data: Data,
     pub element: Element,
 }
 
 impl ContactScene {
-    /// The normal law on Γ3.
-    pub fn law(&self) -> Option<&Law> {
-        self.contact.as_ref()?.law.as_ref()
+    /// What a contact side has.
+    pub fn contact_on(&self, side: Side) -> Option<&Contact> {
+        self.contact.iter().find(|contact| contact.sides.contains(&side))
     }
 
-    /// Whether the gap depends on t.
+    /// The normal laws on Γ3.
+    pub fn laws(&self) -> impl Iterator<Item = &Law> {
+        self.contact.iter().filter_map(|contact| contact.law.as_ref())
+    }
+
+    /// Whether there is a finite gap.
+    pub fn has_gap(&self) -> bool {
+        self.contact.iter().any(|contact| contact.gap.is_some())
+    }
+
+    /// Whether a gap depends on t.
     pub fn gap_moves(&self, formulas: &Graph) -> bool {
-        let gap = self.contact.as_ref().and_then(|contact| contact.gap);
-        gap.is_some_and(|gap| formulas.depends_on(gap, Variable::T))
+        let mut gaps = self.contact.iter().filter_map(|contact| contact.gap);
+        gaps.any(|gap| formulas.depends_on(gap, Variable::T))
     }
 
-    /// Friction on Γ3.
+    /// Friction on Γ3: one law for all contact sides.
     pub fn friction(&self) -> Option<&Friction> {
-        self.contact.as_ref()?.friction.as_deref()
+        self.contact.iter().find_map(|contact| contact.friction.as_deref())
     }
 
     /// Whether nothing on Γ3 takes from the monotonicity: no law falls, and no friction follows the normal law.
     pub fn is_monotone(&self) -> bool {
         let friction = self.friction();
-        self.law().is_none_or(|law| law.alpha() <= 0.0)
+        self.laws().all(|law| law.alpha() <= 0.0)
             && friction.is_none_or(|law| law.alpha() <= 0.0 && law.bound.coefficient() <= 0.0)
     }
 }
@@ -137,7 +148,7 @@ impl Scene {
         let window_steps = reading.window("scene.window_steps")?;
         reading.violates = violates(&reading)?;
         let Content { time, body, predicts, sweep } = match kind {
-            SceneKind::Contact => contact(&mut reading, dimension, judge)?,
+            SceneKind::Contact => in_contact(&mut reading, dimension, judge)?,
             SceneKind::Abstract => abstract_problem(&mut reading, dimension)?,
         };
         let message = "the scene is judged and predicts nothing: there is no order to judge";
@@ -208,7 +219,7 @@ struct Content {
     sweep: Option<Sweep>,
 }
 
-fn contact(reading: &mut Reading, dimension: usize, judge: bool) -> Result<Content> {
+fn in_contact(reading: &mut Reading, dimension: usize, judge: bool) -> Result<Content> {
     let domain = Domain::validate(reading, dimension)?;
     let time = Time::validate(reading)?;
     let material = Material::validate(reading, time.horizon, &domain)?;
@@ -216,13 +227,14 @@ fn contact(reading: &mut Reading, dimension: usize, judge: bool) -> Result<Conte
     needs_repeated_rule(reading, &time, material.nested_key())?;
     reading.parameters = parameters(reading)?;
     let contact = Contact::validate(reading, &domain, &time)?;
-    let data = Data::validate(reading, &domain, &time, contact.as_ref())?;
-    let predicts = predictions(reading, contact.is_some())?;
-    let sweep = reading
-        .if_given("sweep", |reading, _| Sweep::validate(reading, &domain, contact.is_some()))?;
+    let data = Data::validate(reading, &domain, &time, &contact)?;
+    let on_contact = !contact.is_empty();
+    let predicts = predictions(reading, on_contact)?;
+    let sweep =
+        reading.if_given("sweep", |reading, _| Sweep::validate(reading, &domain, on_contact))?;
     sweep.iter().try_for_each(|sweep| time.serves(reading, sweep))?;
     serves(reading, sweep.as_ref(), &predicts)?;
-    let known = matches!(data, Data::Exact { .. }) && contact.is_some() && dimension == 2;
+    let known = matches!(data, Data::Exact { .. }) && on_contact && dimension == 2;
     states_are_known(reading, known, sweep.as_ref(), &predicts)?;
     has_truth(reading, judge, &data, sweep.as_ref())?;
     let mut body = ContactScene { domain, material, contact, data, element: Element::P1 };
@@ -384,7 +396,8 @@ impl Extension {
         match self {
             Self::Friction => {
                 let way_out = "run, gate, verify, check, bound and solve do; for this command take a scene without [contact.friction]";
-                body?.friction().map(|_| ("contact.friction".into(), "friction".into(), way_out))
+                let with = body?.contact.iter().find(|contact| contact.friction.is_some())?;
+                Some((format!("{}.friction", with.key), "friction".into(), way_out))
             }
             Self::SingularKernel => {
                 let key = match &scene.body {
@@ -436,7 +449,7 @@ fn refusal(element: Element, body: &ContactScene) -> Option<[&'static str; 2]> {
     if element == Element::P1 {
         return None;
     }
-    let quadrature = body.contact.as_ref().map(|contact| contact.quadrature);
+    let quadrature = body.contact.first().map(|contact| contact.quadrature);
     if quadrature.is_some_and(|rule| rule != ContactQuadrature::Vertex) {
         let message = "P2 integrates the contact law by Simpson's rule on edges, by the midpoints on triangles";
         return Some([message, "say quadrature = \"vertex\" in [contact], or take P1"]);
@@ -549,7 +562,7 @@ const OF_BODIES: Tables = &[
     ("material.region.*.memory", MEMORY),
     ("material.memory.terms.*", MEMORY_TERM),
     ("material.region.*.memory.terms.*", MEMORY_TERM),
-    ("contact", "bilateral gap shift law quadrature friction"),
+    ("contact", "sides bilateral gap shift law quadrature friction"),
     ("contact.friction", "bound"),
     ("discretization", "element"),
     ("loads", "body traction"),
@@ -615,6 +628,10 @@ pub(super) fn refuse_unknown(reading: &Reading, kind: SceneKind) -> Result<()> {
 }
 
 fn tables(reading: &Reading, name: &str) -> Result<Vec<String>> {
+    if let Some(rest) = name.strip_prefix("contact") {
+        let of = |table: String| format!("{table}{rest}");
+        return Ok(contact::tables(reading)?.into_iter().map(of).collect());
+    }
     let Some((list, rest)) = name.split_once(".*") else { return Ok(vec![name.to_string()]) };
     let of_entry = |i| tables(reading, &format!("{list}.{i}{rest}"));
     Ok(reading.entries(list)?.map(of_entry).collect::<Result<Vec<_>, _>>()?.concat())

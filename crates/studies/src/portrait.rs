@@ -7,7 +7,7 @@ use files::digits;
 use formula::{EvaluationPoint, Node, Program};
 use report::{Group, Ink, SceneSummary, Sketch, StepLimits, Stroke, Terms, equations};
 use scene::setup::{Subject, cell_regions, subject_bounds};
-use scene::{Body, ContactScene, Data, Expectation, MeshFamily, Scene, Shape, Side};
+use scene::{Body, ContactScene, Data, Expectation, Face, MeshFamily, Scene, Shape, Side};
 
 /// A scene's summary for a report; without a subject, the step size is omitted.
 pub fn scene_summary(scene: &Scene, subject: Option<&Subject>) -> SceneSummary {
@@ -49,9 +49,9 @@ fn terms(scene: &Scene) -> Terms {
             is_abstract: false,
             projection: body.material.projection.is_some(),
             memory: !body.material.memory.is_empty(),
-            contact: body.contact.is_some(),
-            gap: body.contact.as_ref().is_some_and(|contact| contact.gap.is_some()),
-            law: body.law().is_some(),
+            contact: !body.contact.is_empty(),
+            gap: body.has_gap(),
+            law: body.laws().next().is_some(),
             friction: body.friction().is_some(),
             quadratic: body.element.degree() > 1,
         },
@@ -168,14 +168,24 @@ fn plane(scene: &Scene, body: &ContactScene) -> Sketch {
     }
     let sides = domain.all_sides().flat_map(|side| domain.faces(side));
     let outline: Vec<Vec<[f64; 3]>> = sides.map(|face| face.points(ALONG)).collect();
-    let contact = domain.contact.iter().flat_map(|&side| domain.faces(side));
-    let surfaces: Vec<Surface> = contact.map(|face| (face.points(CURVE), face.normal)).collect();
+    let faces = |&side: &Side| domain.faces(side).into_iter().map(move |face| (side, face));
+    let contact = domain.contact.iter().flat_map(faces);
+    let surface = |(side, face): (Side, Face)| Surface {
+        side,
+        points: face.points(CURVE),
+        normal: face.normal,
+    };
+    let surfaces: Vec<Surface> = contact.map(surface).collect();
     moved(scene, body, (&outline, &surfaces), |[x, y, _]| (x, y), &mut sketch);
     sketch
 }
 
-/// Points of a contact side, and its normal.
-type Surface = (Vec<[f64; 3]>, [f64; 3]);
+/// Points of a plane piece of a contact side, and its normal.
+struct Surface {
+    side: Side,
+    points: Vec<[f64; 3]>,
+    normal: [f64; 3],
+}
 
 fn divides(scene: &Scene, n: u32) -> bool {
     let few = |body: &ContactScene| body.domain.cells(n) <= MOST_CELLS;
@@ -240,14 +250,13 @@ fn moved(
     let extent = body.domain.size.iter().copied().fold(0.0, f64::max);
     let values = displaced(scene, body, lines);
     let farthest = largest(values.iter().flatten().flat_map(|(_, u)| u.iter().copied()));
-    let gap = body.contact.as_ref().and_then(|contact| contact.gap);
-    let gaps = gap.map(|gap| {
-        let along = |(points, _): &Surface| {
-            let at = |&x: &[f64; 3]| EvaluationPoint { t: scene.time.horizon, ..x.into() };
-            points.iter().map(|x| scene.formulas.evaluate(gap, &at(x))).collect()
-        };
-        surfaces.iter().map(along).collect::<Vec<Vec<f64>>>()
-    });
+    // None on a side without a gap.
+    let along = |surface: &Surface| {
+        let gap = body.contact_on(surface.side).and_then(|contact| contact.gap)?;
+        let at = |&x: &[f64; 3]| EvaluationPoint { t: scene.time.horizon, ..x.into() };
+        Some(surface.points.iter().map(|x| scene.formulas.evaluate(gap, &at(x))).collect())
+    };
+    let gaps: Vec<Option<Vec<f64>>> = surfaces.iter().map(along).collect();
     let widest = largest(gaps.iter().flatten().flatten().copied());
     let seen = |size: f64| size > 1e-12 * extent;
     // Whichever is drawn larger stays beside the body.
@@ -265,7 +274,8 @@ fn moved(
             sketch.strokes.push(Stroke { ink, path });
         }
     };
-    for ((points, normal), gaps) in surfaces.iter().zip(gaps.iter().flatten()) {
+    for (Surface { points, normal, .. }, gaps) in surfaces.iter().zip(&gaps) {
+        let Some(gaps) = gaps else { continue };
         let ends = points.iter().zip(gaps).map(|(&x, &g)| (x, normal.map(|n| g * n)));
         draw(Ink::Obstacle, ends.collect());
     }
@@ -273,7 +283,7 @@ fn moved(
         values.into_iter().for_each(|line| draw(Ink::Moved, line));
         sketch.legend.push((Ink::Moved, format!("u(T) × {factor}")));
     }
-    if gaps.is_some() {
+    if body.has_gap() {
         let when = if body.gap_moves(&scene.formulas) { "(T)" } else { "" };
         sketch.legend.push((Ink::Obstacle, format!("gap g{when} × {factor}")));
     }
@@ -353,9 +363,9 @@ type Beside = ([f64; 3], Ink);
 type Edge = ([[f64; 3]; 2], Vec<Beside>);
 
 /// A plane piece by its corners, the first repeated at the end.
-fn closed((mut corners, normal): Surface) -> Surface {
+fn closed((side, (mut corners, normal)): (Side, (Vec<[f64; 3]>, [f64; 3]))) -> Surface {
     corners.extend(corners.first().copied());
-    (corners, normal)
+    Surface { side, points: corners, normal }
 }
 
 fn in_space(scene: &Scene, body: &ContactScene) -> Sketch {
@@ -400,7 +410,8 @@ fn in_space(scene: &Scene, body: &ContactScene) -> Sketch {
             outline.push((0..=ALONG).map(at).collect());
         }
     }
-    let contact = body.domain.contact.iter().flat_map(|&side| polygons(body, side));
+    let of_side = |&side: &Side| polygons(body, side).into_iter().map(move |one| (side, one));
+    let contact = body.domain.contact.iter().flat_map(of_side);
     let surfaces: Vec<Surface> = contact.map(closed).collect();
     moved(scene, body, (&outline, &surfaces), flat, &mut sketch);
     sketch

@@ -106,9 +106,7 @@ impl FinalState {
             let normal = space.trace.normal(i, view.u);
             self.compliance_force += point.weight * view.compliance[i];
             self.multiplier_force += point.weight * view.multiplier[i];
-            let gap = model.boundary.as_ref().map_or(f64::INFINITY, |boundary| {
-                (boundary.gap)(space.mesh.point(&[point.vertex], &[1.0]), view.t)
-            });
+            let gap = model.gap(point.side, space.mesh.point(&[point.vertex], &[1.0]), view.t);
             self.locked_vertices += usize::from(is_locked(normal, gap));
             if gap.is_finite() {
                 let smallest = self.min_normal_gap.unwrap_or(f64::INFINITY);
@@ -123,7 +121,7 @@ impl FinalState {
             };
             self.normal_displacement.push(row(normal));
             self.compliance_pressure.push(row(view.compliance[i]));
-            if let Some(boundary) = model.boundary.as_ref().filter(|_| point.carries()) {
+            if let Some(boundary) = model.boundary_on(point.side).filter(|_| point.carries()) {
                 let r = normal - (boundary.shift)(space.mesh.point(&[point.vertex], &[1.0]));
                 let mut jumps = boundary.potential.jumps().iter();
                 let at_jump = jumps.any(|jump| (r - jump).abs() <= AT_JUMP * jump.abs().max(1.0));

@@ -72,7 +72,7 @@ impl Pictures {
         let trace = &space.trace;
         let locked = |i: usize| {
             let place = space.mesh.point(&[trace.points[i].vertex], &[1.0]);
-            let gap = model.boundary.as_ref().map_or(f64::INFINITY, |b| (b.gap)(place, view.t));
+            let gap = model.gap(trace.points[i].side, place, view.t);
             is_locked(trace.normal(i, view.u), gap)
         };
         let pressed = |i: usize| view.compliance[i] + view.multiplier[i] > 0.0;

@@ -3,9 +3,11 @@
 use exact::{Densities, Truth};
 use fem::contact::{Discretization, LoadError};
 use fem::norms::Moments;
+use judge::verdict::Decision;
 use run::external::{Cause, Found, by_density, cause_of, decode, write_case};
+use run::sweep::{Overrides, ScenePlan, foresee, judge_scene, run_contact_case};
 use scene::Scene;
-use scene::setup::{MeshData, NewtonMarch, Scheme, Setup};
+use scene::setup::{MeshData, NewtonMarch, Scheme, Setup, Subject};
 use std::sync::Arc;
 
 use super::{errors, rows};
@@ -194,6 +196,53 @@ fn mistakes_in_assembling_are_named() {
             println!("{name}: {found:?}");
             assert!(found.cause == Cause::Loads && found.fits, "{name}: {found:?}");
             assert!(found.says.contains(says), "{name}, {says}: {found:?}");
+        }
+    }
+}
+
+/// The verdicts, predicted constants included, of a solver that assembles its loads so, on the scene's own grid.
+fn verdicts<F>(name: &str, assemble: F) -> Vec<(String, Decision)>
+where
+    F: Fn(Densities, &Discretization) -> Vec<f64> + Send + Sync + Copy + 'static,
+{
+    let scene = strong(name).scene;
+    let subject = Subject::new(scene).unwrap_or_else(|error| panic!("{error}"));
+    let overrides = Overrides { n: Some(vec![8, 16, 32, 64]), steps: Some(vec![8]) };
+    let plan = ScenePlan::new(subject, &overrides);
+    let setup = Setup { scheme: Arc::new(Assembling(assemble)), ..strong(name) };
+    let record = |case: &_| {
+        plan.record(case, || {
+            Ok(run_contact_case(&setup, &on_mesh(&setup, case.n.expect("n")), case))
+        })
+    };
+    let records: Vec<_> = plan.cases.iter().map(record).collect();
+    let foreseen = foresee(&plan.subject, &records);
+    let verdicts = judge_scene(plan.scene(), &records, &plan.keys(), &foreseen);
+    verdicts.into_iter().map(|verdict| (verdict.norm, verdict.decision)).collect()
+}
+
+/// Contact scenes that docs/EXTERNAL.md recommends in h. f0 jumps along lines that move through the cells. What is no more than
+/// coarse quadrature may leave the orders; then it is named.
+#[test]
+fn scenes_whose_force_jumps_pass_a_sound_solver_and_fail_wrong_ones() {
+    type Assemble = fn(Densities, &Discretization) -> Vec<f64>;
+    let wrong: [(&str, Assemble); 4] = [
+        ("a side dropped", side_dropped),
+        ("a facet dropped", facet_dropped),
+        ("lumped", |loads, space| loads.assembled(space, true)),
+        ("one point", one_point),
+    ];
+    for name in ["signorini", "compliance"] {
+        let assembled: Assemble = |loads, space| loads.assembled(space, false);
+        let sound = verdicts(name, assembled);
+        println!("{name}: {sound:?}");
+        assert!(sound.iter().all(|(_, decision)| *decision == Decision::Pass), "{name}: {sound:?}");
+        assert_eq!(found(name, assembled).cause, Cause::Nothing, "{name}");
+        for (i, (what, assemble)) in wrong.into_iter().enumerate() {
+            let (seen, named) = (verdicts(name, assemble), found(name, assemble));
+            println!("{name}, {what}: {seen:?} {named:?}");
+            let fails = seen.iter().any(|(_, decision)| *decision != Decision::Pass);
+            assert!(fails || i > 0 && named.cause == Cause::Loads, "{name}, {what}: {seen:?}");
         }
     }
 }

@@ -163,7 +163,7 @@ fn a_wrong_gap_shows_in_the_locked_set() {
     };
     let (difference, trace) = largest(&setup);
     assert!(difference == 0.0 && trace < 1e-12, "{difference} {trace}");
-    setup.model.boundary.as_mut().expect("contact").gap = Box::new(|_, _| 0.07);
+    setup.model.boundary.first_mut().expect("contact").gap = Box::new(|_, _| 0.07);
     let (difference, trace) = largest(&setup);
     assert!((difference - 1.0).abs() < 1e-12 && trace > 5e-3, "{difference} {trace}");
 }

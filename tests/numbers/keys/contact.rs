@@ -11,6 +11,7 @@ use super::{BLOCK, ORIGIN, Tie, block, near, value, with};
 pub const TIES: &[Tie] = &[
     (&["contact.gap", "contact.shift"], gap_and_shift),
     (&["contact.bilateral"], bilateral),
+    (&["contact.sides"], sides),
     (&["contact.quadrature"], quadrature),
     (&["discretization.element"], element),
     (&["contact.law.kind", "contact.law.stiffness"], linear),
@@ -40,7 +41,7 @@ fn with_contact(text: &str) -> Setup {
 fn law(text: &str, points: &[(f64, f64)]) {
     // The slope of an uneven law may not outdo the body's.
     let setup = with_contact(&format!("law = {{ {text} }}"));
-    let boundary = setup.model.boundary.as_ref().expect("a law");
+    let boundary = setup.model.boundary.first().expect("a law");
     for &(r, exact) in points {
         let (low, high) = boundary.potential_at([0.3, 0.0, 0.0]).subdifferential(r);
         near(low, exact);
@@ -53,10 +54,10 @@ fn gap_and_shift() {
     let setup = with_contact(
         "gap = \"0.1 + x + t\"\nshift = \"0.02*x\"\nlaw = { kind = \"linear\", stiffness = 0.3 }",
     );
-    let boundary = setup.model.boundary.as_ref().expect("a boundary");
+    let boundary = setup.model.boundary.first().expect("a boundary");
     near((boundary.gap)([0.25, 0.0, 0.0], 0.5), 0.85);
     near((boundary.shift)([0.25, 0.0, 0.0]), 0.005);
-    let contact = setup.body.contact.as_ref().expect("a contact");
+    let contact = setup.body.contact.first().expect("a contact");
     let at = EvaluationPoint { x: 0.25, ..ORIGIN };
     near(value(&setup.scene, contact.gap.expect("a gap"), at), 0.35);
     near(value(&setup.scene, contact.shift.expect("a shift"), at), 0.005);
@@ -71,6 +72,25 @@ fn bilateral() {
     assert_eq!([without, with], [0, 3]);
 }
 
+/// A law on the left, a gap on the bottom.
+fn sides() {
+    let tables = "[[contact]]\nsides = [\"left\"]\nlaw = { kind = \"linear\", stiffness = 0.3 }\n[[contact]]\nsides = [\"bottom\"]\ngap = \"0.1\"";
+    let setup = crate::shipped::setup_of(with(
+        BLOCK,
+        &[
+            ("[\"left\", \"right\"]", "[\"right\"]"),
+            ("contact = [\"bottom\"]", "contact = [\"bottom\", \"left\"]"),
+            ("[contact]", tables),
+        ],
+    ));
+    let mesh = setup.body.domain.mesh(2);
+    for (side, pressure, gap) in [("left", 0.06, f64::INFINITY), ("bottom", 0.0, 0.1)] {
+        let boundary = setup.model.boundary_on(mesh.side(side).expect("a side")).expect("contact");
+        near(boundary.potential_at([0.0; 3]).subdifferential(0.2).0, pressure);
+        assert_eq!((boundary.gap)([0.0; 3], 0.0), gap);
+    }
+}
+
 fn quadrature() {
     for (word, read, built) in [
         ("vertex", ContactQuadrature::Vertex, BoundaryRule::Vertex),
@@ -80,8 +100,8 @@ fn quadrature() {
         let setup = with_contact(&format!(
             "quadrature = \"{word}\"\nlaw = {{ kind = \"linear\", stiffness = 0.3 }}"
         ));
-        assert_eq!(setup.body.contact.as_ref().expect("a contact").quadrature, read);
-        assert_eq!(setup.model.boundary.as_ref().expect("a boundary").rule, built);
+        assert_eq!(setup.body.contact.first().expect("a contact").quadrature, read);
+        assert_eq!(setup.model.boundary.first().expect("a boundary").rule, built);
     }
 }
 
@@ -98,7 +118,7 @@ fn linear() {
     law("kind = \"linear\", stiffness = 0.3", &[(0.2, 0.06), (-0.2, -0.06)]);
     let none = block(&[("[contact]", "[contact]\nlaw = { kind = \"none\" }")]);
     let body = none.as_contact().expect("a body");
-    assert!(body.contact.as_ref().expect("a contact").law.is_none());
+    assert!(body.contact.first().expect("a contact").law.is_none());
 }
 
 /// Slope 0.2 up to (0.1, 0.01), 0.5 up to (0.3, 0.11), then 0.4.
@@ -131,7 +151,7 @@ fn power() {
 /// c(x) p(r) with c = 1 + x at x = 0.5.
 fn scale() {
     let setup = with_contact("law = { kind = \"linear\", stiffness = 0.3, scale = \"1 + x\" }");
-    let boundary = setup.model.boundary.as_ref().expect("a law");
+    let boundary = setup.model.boundary.first().expect("a law");
     near(boundary.scale_at([0.5, 0.0, 0.0]), 1.5);
     near(boundary.potential_at([0.5, 0.0, 0.0]).subdifferential(0.2).0, 0.09);
 }

@@ -66,7 +66,7 @@ fn mismatch(space: &Discretization, weights: &[f64]) -> f64 {
         elasticity: TensorField::new(SOFT.into(), [anisotropic()]),
         memory: terms(),
         projection: Some(AnyProjection::new(VonMises { mu: 0.7, limit: Rising })),
-        boundary: None,
+        boundary: Vec::new(),
         friction: None,
         time_rule: Box::new(Trapezoid),
     };
@@ -102,8 +102,14 @@ fn marched(space: &Discretization, elasticity: TensorField, memory: Vec<MemoryTe
         }
     }
     let time_rule = Box::new(Trapezoid);
-    let model =
-        Model { elasticity, memory, projection: None, boundary: None, friction: None, time_rule };
+    let model = Model {
+        elasticity,
+        memory,
+        projection: None,
+        boundary: Vec::new(),
+        friction: None,
+        time_rule,
+    };
     let mut load = Weight((0..space.dofs()).map(|i| (0.3 * i as f64).sin()).collect());
     let (grid, mut last) = (TimeGrid::uniform(1.0, 4), Vec::new());
     let mut keep = |view: &StepView<'_>| {

@@ -14,9 +14,10 @@ const STEPS: u32 = 8;
 /// Whether Jacobians are all the same but for pieces of graphs and weights of last slots: an iteration may then find the
 /// factor of its very matrix.
 fn one_jacobian(setup: &Setup) -> bool {
-    let facets = setup.model.boundary.as_ref().is_some_and(|boundary| {
-        boundary.rule != BoundaryRule::Vertex && !boundary.potential.is_absent()
-    });
+    let facets =
+        setup.model.boundary.iter().any(|boundary| {
+            boundary.rule != BoundaryRule::Vertex && !boundary.potential.is_absent()
+        });
     setup.model.projection.is_none() && !facets
 }
 

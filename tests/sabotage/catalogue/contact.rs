@@ -20,17 +20,18 @@ struct Written {
 
 /// The law changed; scenes without one are left alone.
 fn law(mut setup: Setup, change: fn(&mut Written)) -> Setup {
-    let written = setup.body.contact.as_ref().and_then(|contact| contact.law.as_ref());
-    let Some((law, boundary)) = written.zip(setup.model.boundary.as_mut()) else { return setup };
-    let points: Vec<(f64, f64)> = law.points.iter().map(|&[r, p]| (r, p)).collect();
-    if points.len() < 2 {
-        return setup;
+    for (contact, boundary) in setup.body.contact.iter().zip(&mut setup.model.boundary) {
+        let Some(law) = &contact.law else { continue };
+        let points: Vec<(f64, f64)> = law.points.iter().map(|&[r, p]| (r, p)).collect();
+        if points.len() < 2 {
+            continue;
+        }
+        let mut written = Written { points, before: law.slope_before, after: law.slope_after };
+        change(&mut written);
+        let Written { points, before, after } = written;
+        boundary.potential =
+            Arc::new(PiecewiseLinear::new(points, before, after).expect("a law without a fall"));
     }
-    let mut written = Written { points, before: law.slope_before, after: law.slope_after };
-    change(&mut written);
-    let Written { points, before, after } = written;
-    boundary.potential =
-        Arc::new(PiecewiseLinear::new(points, before, after).expect("a law without a fall"));
     setup
 }
 
@@ -41,17 +42,18 @@ pub(super) fn gap(setup: Setup, change: fn([f64; 3], f64) -> f64) -> Setup {
 /// The setup with another g(x, t), made of the scene's, x and t.
 pub(super) fn gap_in_time(
     mut setup: Setup,
-    change: impl Fn(&OnContactInTime, [f64; 3], f64) -> f64 + Send + Sync + 'static,
+    change: impl Fn(&OnContactInTime, [f64; 3], f64) -> f64 + Send + Sync + Clone + 'static,
 ) -> Setup {
-    if let Some(boundary) = &mut setup.model.boundary {
+    for boundary in &mut setup.model.boundary {
         let sound = std::mem::replace(&mut boundary.gap, Box::new(|_, _| f64::INFINITY));
+        let change = change.clone();
         boundary.gap = Box::new(move |x, t| change(&sound, x, t));
     }
     setup
 }
 
 fn shift(mut setup: Setup, change: fn(f64) -> f64) -> Setup {
-    if let Some(boundary) = &mut setup.model.boundary {
+    for boundary in &mut setup.model.boundary {
         let sound = std::mem::replace(&mut boundary.shift, Box::new(|_| 0.0));
         boundary.shift = Box::new(move |x| change(sound(x)));
     }
@@ -60,7 +62,7 @@ fn shift(mut setup: Setup, change: fn(f64) -> f64) -> Setup {
 
 fn rule(mut setup: Setup, rule: BoundaryRule) -> Setup {
     let element = setup.body.element;
-    if let Some(boundary) = setup.model.boundary.as_mut().filter(|_| rule.serves(element)) {
+    for boundary in setup.model.boundary.iter_mut().filter(|_| rule.serves(element)) {
         boundary.rule = rule;
     }
     setup
@@ -94,7 +96,7 @@ macro_rules! on_mesh {
 
 /// Every other vertex of Γ3 without a bound.
 fn every_other(space: &mut Discretization, model: &mut Model) {
-    let Some(boundary) = &mut model.boundary else { return };
+    let Some(boundary) = model.boundary.first_mut() else { return };
     let n = f64::from(space.mesh.n);
     let sound = std::mem::replace(&mut boundary.gap, Box::new(|_, _| f64::INFINITY));
     boundary.gap = Box::new(move |x, t| {
@@ -115,16 +117,16 @@ pub(super) fn penalty(mut setup: Setup, stiffness: f64) -> Setup {
     let constant = setup
         .model
         .boundary
-        .as_ref()
+        .first()
         .map(|b| [[0.0; 2], [0.5, 0.0], [0.0, 0.5]].map(|[x, t]| (b.gap)([x, 0.0, 0.0], t)));
     let Some([g, ..]) = constant.filter(|[g, x, t]| g.is_finite() && g == x && g == t) else {
         return setup;
     };
-    let written = setup.body.contact.as_ref().and_then(|contact| contact.law.as_ref());
+    let written = setup.body.contact.first().and_then(|contact| contact.law.as_ref());
     let points = written.map_or(Vec::new(), |law| law.points.clone());
     let mut points: Vec<(f64, f64)> =
         points.iter().map(|&[r, p]| (r, p)).filter(|&(r, _)| r < g).collect();
-    let Some(boundary) = &mut setup.model.boundary else { return setup };
+    let Some(boundary) = setup.model.boundary.first_mut() else { return setup };
     points.push((g, boundary.potential.subdifferential(g).0));
     let before = written.map_or(0.0, |law| law.slope_before);
     boundary.potential = Arc::new(PiecewiseLinear::new(points, before, stiffness).expect("a law"));
@@ -160,7 +162,7 @@ pub fn defects() -> Vec<Defect> {
             })
         }),
         compliance("no compliance", |mut setup| {
-            if let Some(boundary) = &mut setup.model.boundary {
+            for boundary in &mut setup.model.boundary {
                 boundary.potential = Arc::new(NoPotential);
             }
             setup

@@ -110,7 +110,7 @@ macro_rules! loads {
 
 /// The setup without law and bound.
 fn no_contact(mut setup: Setup) -> Setup {
-    if let Some(boundary) = &mut setup.model.boundary {
+    for boundary in &mut setup.model.boundary {
         boundary.potential = Arc::new(NoPotential);
         boundary.gap = Box::new(|_, _| f64::INFINITY);
     }
@@ -122,11 +122,26 @@ fn gap_of_the_level_before(setup: Setup) -> Setup {
     marched(setup, |setup, data, steps, observe| {
         let k = setup.scene.time.horizon / f64::from(steps);
         rebuilt(setup, data, steps, observe, |_, model| {
-            let Some(boundary) = &mut model.boundary else { return };
+            let Some(boundary) = model.boundary.first_mut() else { return };
             let sound = std::mem::replace(&mut boundary.gap, Box::new(|_, _| f64::INFINITY));
             boundary.gap = Box::new(move |x, t| sound(x, (t - k).max(0.0)));
         })
     })
+}
+
+/// The first gap of a scene whose sides differ on all of them.
+fn one_gap(mut setup: Setup) -> Setup {
+    if let [_, _, ..] = setup.model.boundary[..] {
+        let stated = setup.scene_model().boundary;
+        let finite = stated.into_iter().find(|b| (b.gap)([0.0; 3], 0.0).is_finite());
+        if let Some(first) = finite.map(|boundary| Arc::new(boundary.gap)) {
+            for boundary in &mut setup.model.boundary {
+                let first = first.clone();
+                boundary.gap = Box::new(move |x, t| first(x, t));
+            }
+        }
+    }
+    setup
 }
 
 /// Bound and law on -u_ν.
@@ -195,7 +210,19 @@ pub fn handed() -> Vec<Defect> {
         loads!("loads of the level before", late),
         loads!("loads taken for nodal densities and integrated again", lumped),
         loads!("no loads at the ends of one facet", facet),
-        Defect::of(Term::Dirichlet, "half of Γ1 freed", half_freed),
+        Defect::of(Term::Dirichlet, "half of Γ1 freed", |setup| half_freed(setup, false)),
+        Defect::of(Term::Dirichlet, "one component alone clamped on half of Γ1", |setup| {
+            half_freed(setup, true)
+        }),
+        Defect::of(Term::Compliance, "laws of two sides exchanged", |mut setup| {
+            let sides = |setup: &Setup, i: usize| setup.model.boundary[i].sides.clone();
+            if setup.model.boundary.len() == 2 {
+                let [a, b] = [0, 1].map(|i| sides(&setup, i));
+                (setup.model.boundary[0].sides, setup.model.boundary[1].sides) = (b, a);
+            }
+            setup
+        }),
+        constraint("gap of one side on all of Γ3", one_gap),
         Defect::of(Term::Dirichlet, "plane of symmetry forgotten", |setup| planes(setup, false)),
         Defect::of(Term::Dirichlet, "plane of symmetry held along itself too", |setup| {
             planes(setup, true)

@@ -160,9 +160,10 @@ pub fn march_by_two_points(
     observe: &mut Observer<'_>,
 ) -> Result<CaseInfo, CaseError> {
     let (space, model, grid) = (&*data.space, &setup.model, setup.grid(steps));
-    let boundary = model.boundary.as_ref();
-    let Some(boundary) =
-        boundary.filter(|b| b.rule == BoundaryRule::Gauss && space.mesh.dimension == 2)
+    let Some(boundary) = model
+        .boundary
+        .first()
+        .filter(|b| b.rule == BoundaryRule::Gauss && space.mesh.dimension == 2)
     else {
         return data.march(setup, steps, &Newton::default(), observe);
     };
@@ -262,7 +263,8 @@ impl Shown {
         let free = space.trace.points.iter().enumerate().filter(|(_, point)| !point.clamped);
         let coordinates = levels.graph().coordinates.iter().zip(&state.pressure);
         for ((i, _), (at, &pressure)) in free.zip(coordinates) {
-            let Some(boundary) = &model.boundary else { break };
+            let side = space.trace.points[i].side;
+            let Some(boundary) = model.boundary_on(side) else { break };
             let normal = space.trace.normal(i, &self.u);
             let place = space.mesh.point(&[space.trace.points[i].vertex], &[1.0]);
             let (lo, hi) = boundary.potential_at(place).subdifferential(normal - at.shift);

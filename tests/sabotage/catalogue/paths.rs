@@ -123,7 +123,7 @@ fn freed(
     data: &MeshData,
     steps: u32,
     observe: &mut Observer<'_>,
-    which: Freed,
+    (which, held): (Freed, bool),
 ) -> Result<CaseInfo, CaseError> {
     let Data::Exact { interpolated: false, .. } = setup.body.data else {
         return data.march(setup, steps, &Newton::default(), observe);
@@ -142,7 +142,8 @@ fn freed(
         mesh.facet_side[f] = no_side;
     }
     mesh.sides.push("no condition".into());
-    let symmetry = side_numbers(&setup.body.domain.held());
+    let mut symmetry = side_numbers(&setup.body.domain.held());
+    symmetry.extend(held.then_some(no_side));
     on_sides(setup, data, steps, observe, (mesh, [&clamped, &symmetry]))
 }
 
@@ -261,7 +262,9 @@ fn without(
 macro_rules! freeing {
     ($name:literal, $which:expr) => {
         Defect::of(Term::Dirichlet, $name, |setup| {
-            marched(setup, |setup, data, steps, observe| freed(setup, data, steps, observe, $which))
+            marched(setup, |setup, data, steps, observe| {
+                freed(setup, data, steps, observe, ($which, false))
+            })
         })
     };
 }
@@ -286,11 +289,17 @@ macro_rules! stale {
     };
 }
 
-/// The first half of the facets of Γ1 without a condition.
-pub(super) fn half_freed(setup: Setup) -> Setup {
-    marched(setup, |setup, data, steps, observe| {
-        freed(setup, data, steps, observe, |_, on| on[..on.len() / 2].to_vec())
-    })
+/// The first half of the facets of Γ1 without a condition, or with u_ν = 0 alone.
+pub(super) fn half_freed(setup: Setup, held: bool) -> Setup {
+    const HALF: Freed = |_, on| on[..on.len() / 2].to_vec();
+    match held {
+        true => marched(setup, |setup, data, steps, observe| {
+            freed(setup, data, steps, observe, (HALF, true))
+        }),
+        false => marched(setup, |setup, data, steps, observe| {
+            freed(setup, data, steps, observe, (HALF, false))
+        }),
+    }
 }
 
 pub fn defects() -> Vec<Defect> {

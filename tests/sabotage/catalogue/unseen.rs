@@ -123,13 +123,13 @@ fn stress_with_shear_once(
 
 /// The distance of contact sets where both have points, 0 where one has none.
 fn distance_of_sets(setup: &Setup, data: &MeshData, case: &CasePlan, record: &mut CaseRecord) {
-    let Some(boundary) = &setup.model.boundary else { return };
+    let model = &setup.model;
     written(Norm::ContactSetMax, (setup, data, case), record, |view| {
         let Ok(moments) = data.truth.moments(view.t) else { return f64::NAN };
         let trace = &data.space.trace;
         let held = (0..trace.points.len()).any(|i| {
-            let gap =
-                (boundary.gap)(data.space.mesh.point(&[trace.points[i].vertex], &[1.0]), view.t);
+            let point = &trace.points[i];
+            let gap = model.gap(point.side, data.space.mesh.point(&[point.vertex], &[1.0]), view.t);
             fem::norms::is_locked(trace.normal(i, view.u), gap)
         });
         if held != moments.locked.contains(&true) {

@@ -39,21 +39,25 @@ struct Extremes {
 }
 
 pub(super) fn contact(exact: &Exact, sides: &[SideOfBox]) -> Vec<Finding> {
-    if exact.data.contact.is_none() {
+    if exact.data.contact.is_empty() {
         return Vec::new();
     }
     let mut extremes = Extremes { penetration: f64::NEG_INFINITY, ..Extremes::default() };
     let (d, size, mut parts) = (exact.dimension(), &exact.data.size, Vec::new());
     for piece in exact.data.polytope.iter().flat_map(polytope::contact_pieces) {
         let count = if d == 2 { ALONG } else { ON_TRIANGLE };
-        parts.push((polytope::points_of(&piece, count), piece.normal));
+        parts.push((polytope::points_of(&piece, count), piece.side, piece.normal));
     }
     for side in sides.iter().filter(|side| side.contact) {
         let count = if d == 2 { ALONG } else { ON_FACE };
-        parts.push((side.points(size, |axis| places(size[axis], count)), side.normal));
+        parts.push((
+            side.points(size, |axis| places(size[axis], count)),
+            side.number(),
+            side.normal,
+        ));
     }
-    for (points, normal) in parts {
-        in_dimension!(d, D => sample::<D>(exact, &points, normal, &mut extremes));
+    for (points, side, normal) in parts {
+        in_dimension!(d, D => sample::<D>(exact, &points, (side, normal), &mut extremes));
     }
     let Extremes {
         penetration, lengths, tension, complementarity, pressure, sourced, stress, ..
@@ -73,7 +77,7 @@ pub(super) fn contact(exact: &Exact, sides: &[SideOfBox]) -> Vec<Finding> {
     let text = format!("largest lambda (g - u_nu) is {complementarity:.2e}");
     findings.push(Finding::new("complementarity", status, complementarity, text));
     let locked = extremes.share(LOCKED);
-    let text = extremes.states_in_words(exact.data.contact.as_ref());
+    let text = extremes.states_in_words(&exact.data.contact);
     findings.push(Finding::new("contact states", Status::Fact, locked, text));
     if let Some(friction) = &extremes.friction {
         findings.extend(friction.findings(scale, extremes.samples));
@@ -91,15 +95,15 @@ pub(super) fn contact(exact: &Exact, sides: &[SideOfBox]) -> Vec<Finding> {
 fn sample<const D: usize>(
     exact: &Exact,
     points: &[[f64; 3]],
-    normal: [f64; 3],
+    (side, normal): (u32, [f64; 3]),
     extremes: &mut Extremes,
 ) {
-    let formulas = exact.boundary(&normal[..D]);
-    let has_law = exact.data.contact.as_ref().is_some_and(|contact| contact.law.is_some());
-    let bilateral = exact.data.contact.as_ref().is_some_and(|contact| contact.bilateral);
+    let formulas = exact.boundary(side, &normal[..D]);
+    let has_law = exact.contact_on(side).is_some_and(|contact| contact.law.is_some());
+    let bilateral = exact.contact_on(side).is_some_and(|contact| contact.bilateral);
     let (mut bound, mut inside) = (formulas.program.bind(points), exact.interior.bind(points));
     let (regions, mut memory) = (exact.regions_at(points), Vec::new());
-    let friction = exact.friction(&normal[..D]);
+    let friction = exact.friction(side, &normal[..D]);
     let mut sliding = friction.map(|friction| (friction.tangents, friction.program.bind(points)));
     for n in 0..=TIMES {
         let t = exact.data.horizon * n as f64 / TIMES as f64;
@@ -158,10 +162,10 @@ impl Extremes {
     }
 
     /// The possible states: compliant needs a law, grazing and locked need a gap.
-    fn states_in_words(&self, contact: Option<&ContactFormulas>) -> String {
-        let has_law = contact.is_some_and(|contact| contact.law.is_some());
-        let has_gap = contact.is_some_and(|contact| contact.gap.is_some());
-        if contact.is_some_and(|contact| contact.bilateral) {
+    fn states_in_words(&self, contact: &[ContactFormulas]) -> String {
+        let has_law = contact.iter().any(|contact| contact.law.is_some());
+        let has_gap = contact.iter().any(|contact| contact.gap.is_some());
+        if contact.iter().any(|contact| contact.bilateral) {
             return "bilateral: u_nu = 0 on Gamma3, which no tension opens".into();
         }
         let absent = match (has_law, has_gap) {
@@ -207,7 +211,7 @@ mod tests {
         for (u_nu, lambda) in [(-0.1, 0.0), (0.05, 0.0), (0.1, 0.0), (0.1, 1.0)] {
             extremes.add(u_nu, lambda, gap, lambda, has_law);
         }
-        extremes.states_in_words(Some(&contact))
+        extremes.states_in_words(&[contact])
     }
 
     #[test]

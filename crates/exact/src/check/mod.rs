@@ -74,6 +74,11 @@ impl SideOfBox {
         (0..3).find(|&i| self.normal[i] != 0.0).unwrap_or(0)
     }
 
+    /// Its number among the sides, in the order x = 0, x = size\[0\], y = 0, and so on.
+    pub(crate) fn number(&self) -> u32 {
+        2 * self.axis() as u32 + u32::from(self.normal[self.axis()] > 0.0)
+    }
+
     /// The coordinate along the normal, in a box of the given size.
     pub(crate) fn level(&self, size: &[f64]) -> f64 {
         let axis = self.axis();

@@ -234,7 +234,7 @@ pub(super) fn normal_traces(exact: &Exact, polytope: &Polytope) -> Vec<Finding> 
     };
     let of_piece = |piece: Piece| {
         let families = lines_on(&piece).into_iter().map(family).collect();
-        regularity::normal_trace(exact, piece.normal, families)
+        regularity::normal_trace(exact, (piece.side, piece.normal), families)
     };
     contact_pieces(polytope).map(of_piece).collect()
 }

@@ -47,12 +47,15 @@ pub fn regularity_in_space(exact: &Exact, sides: &[SideOfBox]) -> Vec<Finding> {
 }
 
 fn space_findings(exact: &Exact, sides: &[SideOfBox]) -> [Vec<Finding>; 2] {
-    let traces = match (&exact.data.contact, &exact.data.polytope) {
-        (None, _) => Vec::new(),
+    let traces = match (&exact.data.contact[..], &exact.data.polytope) {
+        ([], _) => Vec::new(),
         (_, Some(polytope)) => polytope::normal_traces(exact, polytope),
         _ => {
             let contact = sides.iter().filter(|side| side.contact);
-            contact.map(|side| normal_trace(exact, side.normal, on_side(exact, side))).collect()
+            let trace = |side: &SideOfBox| {
+                normal_trace(exact, (side.number(), side.normal), on_side(exact, side))
+            };
+            contact.map(trace).collect()
         }
     };
     let subject = in_body(exact, "u in H2", "(5.25)");
@@ -194,8 +197,12 @@ fn field_values(exact: &Exact, field: Field, points: &[[f64; 3]], t: f64) -> Vec
 pub(super) type OnContact = (Vec<[f64; 3]>, f64, f64);
 
 /// ‖second difference of u_ν‖/δ² in L² along families of lines on a part of Γ3.
-pub(super) fn normal_trace(exact: &Exact, normal: [f64; 3], families: Vec<OnContact>) -> Finding {
-    let program = exact.boundary(&normal[..exact.dimension()]).program;
+pub(super) fn normal_trace(
+    exact: &Exact,
+    (side, normal): (u32, [f64; 3]),
+    families: Vec<OnContact>,
+) -> Finding {
+    let program = exact.boundary(side, &normal[..exact.dimension()]).program;
     // The largest over directions and times.
     let (mut quotients, mut floor) = ([0.0f64; 4], 0.0f64);
     for (points, length, measure) in families {

@@ -5,10 +5,46 @@ use fem::space::quadrature::Rule;
 
 use super::ExactOnMesh;
 use crate::constitutive::{Tensor, stress};
+use crate::cuts::Cut;
 use crate::densities::Densities;
+use crate::onto::Projector;
 use crate::sampled::vector_names;
+use crate::shapes::Shapes;
 
 impl ExactOnMesh {
+    /// Replaces f0 in cells across which it jumps, or has a kink, by its nearest function of the element in L², by a rule on the
+    /// pieces: the rule of the cells gives the integrals of the element's functions with that one, but would miss a share of
+    /// those with f0 that depends on how a line lies in its cells, so that no order is seen. A cell with a value that is not
+    /// finite is left as it is.
+    fn put_nearest<const D: usize>(&self, t: f64, zeta: f64, body: &mut [f64]) {
+        let Some(cuts) = &self.force_cuts else { return };
+        let (mesh, rule) = (&self.space.mesh, &self.force_points.rule);
+        let cut = cuts.rules(mesh, rule, t);
+        let points = cuts.points(mesh, cut.iter().map(|cut| (cut.simplex, &cut.rule)));
+        let values = self.exact.forces.values(&points, t, zeta);
+        let onto = Projector::new(rule, Shapes::of_cell(self.space.element, D));
+        let functions = Shapes::of_cell(self.space.element, D);
+        let (mut first, mut at_nodes) = (0, Vec::new());
+        for Cut { simplex, rule: pieces } in &cut {
+            let places = first..first + pieces.weights.len();
+            first = places.end;
+            let on_pieces: Vec<[f64; D]> =
+                places.map(|p| std::array::from_fn(|i| values[i][p])).collect();
+            if on_pieces.as_flattened().iter().any(|f| !f.is_finite()) {
+                continue;
+            }
+            onto.by(pieces).project(&on_pieces, &mut at_nodes);
+            let count = rule.weights.len();
+            let of_cell = &mut body[D * count * simplex..][..D * count];
+            for (target, b) in of_cell.chunks_mut(D).zip(&rule.points) {
+                for (i, f) in target.iter_mut().enumerate() {
+                    let shapes = functions.at(b);
+                    *f = shapes.iter().zip(&at_nodes).map(|(s, node)| s * node[i]).sum();
+                }
+            }
+        }
+    }
+
     /// The densities at t.
     ///
     /// # Errors
@@ -28,6 +64,7 @@ impl ExactOnMesh {
                 }
             }
         })?;
+        self.put_nearest::<D>(t, fields.zeta, &mut body);
         let side = self.traction.iter().chain(&self.contact).next();
         let side = side.map_or_else(|| Rule::barycentre(D - 1), |group| group.points.rule.clone());
         let count = side.weights.len();

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use super::{Boundary, BoundaryRule, Discretization, Model, friction_graph};
+use super::{BoundaryRule, Discretization, Model, friction_graph};
 use vhi::law::{NoPotential, Potential};
 use vhi::{BoundaryGraph, Coordinate};
 
@@ -14,60 +14,62 @@ pub(crate) fn boundary_graph(
     elastic: &[f64],
 ) -> BoundaryGraph {
     let none: Arc<dyn Potential> = Arc::new(NoPotential);
-    let mut graph = match &model.boundary {
-        Some(boundary) => normal_graph(space, boundary, none, elastic),
-        None => BoundaryGraph { coordinates: Vec::new(), potentials: vec![none] },
-    };
+    let mut graph = BoundaryGraph { coordinates: Vec::new(), potentials: vec![none] };
+    append_normal(space, model, elastic, &mut graph);
     friction_graph::append_graphs(space, model, elastic, &mut graph);
     graph
 }
 
 /// The gaps of the time t. The graphs of the normal law come first, in the order of the points.
 pub(super) fn set_gaps(space: &Discretization, model: &Model, t: f64, graph: &mut BoundaryGraph) {
-    let Some(boundary) = &model.boundary else { return };
+    if model.boundary.is_empty() {
+        return;
+    }
     let points = space.trace.points.iter().filter(|point| point.carries());
     for (point, at) in points.zip(&mut graph.coordinates) {
-        at.gap = (boundary.gap)(space.mesh.point(&[point.vertex], &[1.0]), t);
+        at.gap = model.gap(point.side, space.mesh.point(&[point.vertex], &[1.0]), t);
     }
 }
 
-fn normal_graph(
+/// Appends the graphs of the normal laws, one a free point of the trace in its order. The first potential is none.
+fn append_normal(
     space: &Discretization,
-    boundary: &Boundary,
-    none: Arc<dyn Potential>,
+    model: &Model,
     elastic: &[f64],
-) -> BoundaryGraph {
+    graph: &mut BoundaryGraph,
+) {
     // A law with a factor is one law per vertex.
-    let mut potentials = match (boundary.rule, &boundary.scale) {
-        (BoundaryRule::Vertex, None) => vec![boundary.potential.clone()],
-        (BoundaryRule::Vertex, Some(_)) => Vec::new(),
-        (BoundaryRule::Gauss | BoundaryRule::Exact, _) => vec![none],
-    };
-    let one_each = potentials.is_empty();
-    let coordinates = space
-        .trace
-        .points
-        .iter()
-        .filter(|point| point.carries())
-        .map(|point| {
-            let x = space.mesh.point(&[point.vertex], &[1.0]);
-            if one_each {
-                potentials.push(Arc::new(boundary.potential_at(x)));
+    let mut laws = Vec::with_capacity(model.boundary.len());
+    for boundary in &model.boundary {
+        laws.push(match (boundary.rule, &boundary.scale) {
+            (BoundaryRule::Vertex, Some(_)) => None,
+            (BoundaryRule::Vertex, None) => {
+                graph.potentials.push(boundary.potential.clone());
+                Some(graph.potentials.len() - 1)
             }
-            let stiffness = elastic[space.pattern.diagonal(point.unknown as usize)];
-            Coordinate {
-                dof: point.unknown,
-                sign: point.sign,
-                weight: point.weight,
-                gap: f64::INFINITY,
-                floor: f64::NEG_INFINITY,
-                law: potentials.len() as u32 - 1,
-                shift: (boundary.shift)(x),
-                // γ α_ν = α_ν w/K_ii is of order h α_ν/m_𝒜: below one wherever (2.9) holds.
-                gamma: point.weight / stiffness,
-                span: 1,
-            }
-        })
-        .collect();
-    BoundaryGraph { coordinates, potentials }
+            (BoundaryRule::Gauss | BoundaryRule::Exact, _) => Some(0),
+        });
+    }
+    for point in space.trace.points.iter().filter(|point| point.carries()) {
+        let known = model.boundary.iter().zip(&laws).find(|(known, _)| known.is_on(point.side));
+        let Some((boundary, law)) = known else { continue };
+        let x = space.mesh.point(&[point.vertex], &[1.0]);
+        let law = law.unwrap_or_else(|| {
+            graph.potentials.push(Arc::new(boundary.potential_at(x)));
+            graph.potentials.len() - 1
+        });
+        let stiffness = elastic[space.pattern.diagonal(point.unknown as usize)];
+        graph.coordinates.push(Coordinate {
+            dof: point.unknown,
+            sign: point.sign,
+            weight: point.weight,
+            gap: f64::INFINITY,
+            floor: f64::NEG_INFINITY,
+            law: law as u32,
+            shift: (boundary.shift)(x),
+            // γ α_ν = α_ν w/K_ii is of order h α_ν/m_𝒜: below one wherever (2.9) holds.
+            gamma: point.weight / stiffness,
+            span: 1,
+        });
+    }
 }

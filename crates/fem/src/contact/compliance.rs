@@ -4,10 +4,10 @@
 use std::cell::Cell;
 
 use super::pieces::{EdgeShift, Pieces, Room, points};
-use super::{Boundary, BoundaryRule, Discretization, TracePoint};
+use super::{Boundary, BoundaryRule, Discretization, Model, TracePoint};
 use crate::space::quadrature::{Rule, edge, triangle_degree_4};
 
-/// The compliance term over the facets of Γ3.
+/// The compliance term of a law over the facets of its sides.
 pub(crate) struct FacetCompliance<'a> {
     boundary: &'a Boundary,
     facets: Vec<Facet>,
@@ -45,9 +45,17 @@ struct FacetPoint {
 }
 
 impl<'a> FacetCompliance<'a> {
-    /// The rule of `boundary` on all facets of Γ3, where u_ν stands in a vector as `place` says; `None` for the vertex
-    /// rule or without law.
-    pub(crate) fn new(
+    /// Those of `model`, where u_ν stands in a vector as `place` says; none for the vertex rule or without law.
+    pub(crate) fn all(
+        space: &Discretization,
+        model: &'a Model,
+        place: impl Fn(&TracePoint) -> usize,
+    ) -> Vec<Self> {
+        model.boundary.iter().filter_map(|boundary| Self::new(space, boundary, &place)).collect()
+    }
+
+    /// The rule of `boundary` on its facets; `None` for the vertex rule or without law.
+    fn new(
         space: &Discretization,
         boundary: &'a Boundary,
         place: impl Fn(&TracePoint) -> usize,
@@ -55,7 +63,9 @@ impl<'a> FacetCompliance<'a> {
         if boundary.potential.is_absent() {
             return None;
         }
-        let facets = (0..space.trace.measure.len()).map(|f| facet(space, f, &place));
+        let on_sides = |f: &usize| boundary.is_on(space.side(*f));
+        let facets = (0..space.trace.measure.len()).filter(on_sides);
+        let facets = facets.map(|f| facet(space, f, &place));
         let facets: Vec<Facet> = facets.collect();
         let rule = match boundary.rule {
             BoundaryRule::Vertex => return None,

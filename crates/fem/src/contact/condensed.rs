@@ -72,7 +72,7 @@ impl<'a> Condensed<'a> {
             (elastic, Arc::new(analysis.factor()), Some(analysis.workspace()))
         };
         let graph = || boundary_graph(space, model, &elastic);
-        let side = model.boundary.as_ref().map(|_| Side::new(space, model, graph()));
+        let side = (!model.boundary.is_empty()).then(|| Side::new(space, model, graph()));
         let mut condensed = Self {
             elastic,
             space,
@@ -214,7 +214,7 @@ struct Side<'a> {
     /// Prescribed increments.
     increments: Vec<f64>,
     /// p, of the unknowns with a zero behind them.
-    compliance: Option<FacetCompliance<'a>>,
+    compliance: Vec<FacetCompliance<'a>>,
     unknowns: Vec<f64>,
     /// u₂ and the pressures.
     state: StepState,
@@ -227,9 +227,7 @@ impl<'a> Side<'a> {
         let size = dofs.len();
         let place = |unknown: u32| dofs.iter().position(|&dof| dof == unknown).unwrap_or(size);
         graph.coordinates.iter_mut().for_each(|at| at.dof = place(at.dof) as u32);
-        let compliance = model.boundary.as_ref().and_then(|boundary| {
-            FacetCompliance::new(space, boundary, |point| place(point.unknown))
-        });
+        let compliance = FacetCompliance::all(space, model, |point| place(point.unknown));
         Self {
             graph,
             dofs,
@@ -318,7 +316,7 @@ impl<'a> Side<'a> {
     fn factorize(&mut self) -> Result<(), FactorError> {
         let (size, matrix) = (self.dofs.len(), &mut self.matrix);
         matrix.iter_mut().zip(&self.schur).for_each(|(value, s)| *value = self.scale * s);
-        if let Some(compliance) = &self.compliance {
+        for compliance in &self.compliance {
             compliance.each_tangent(&self.unknowns, |[i, j], value| {
                 matrix[size * i + j] += value;
                 if i != j {
@@ -358,7 +356,7 @@ impl StepInequality for Side<'_> {
     }
 
     fn descent(&self, i: usize) -> f64 {
-        let facets = self.compliance.as_ref().map_or(0.0, FacetCompliance::descent);
+        let facets = self.compliance.iter().map(FacetCompliance::descent).fold(0.0, f64::max);
         self.graph.descent(i).max(facets)
     }
 
@@ -368,7 +366,7 @@ impl StepInequality for Side<'_> {
         for (column, u) in columns.zip(u) {
             axpy(self.scale * u, column, out);
         }
-        if let Some(compliance) = &self.compliance {
+        for compliance in &self.compliance {
             self.unknowns[..u.len()].copy_from_slice(u);
             compliance.add_force(&self.unknowns, out);
         }
@@ -379,7 +377,7 @@ impl StepInequality for Side<'_> {
         for (at, increment) in self.graph.coordinates.iter().zip(prescribed) {
             self.increments[at.dof as usize] = increment.unwrap_or(0.0);
         }
-        if !self.last.replace(&self.scale, slopes, prescribed) && self.compliance.is_none() {
+        if !self.last.replace(&self.scale, slopes, prescribed) && self.compliance.is_empty() {
             return Ok(());
         }
         self.factorize().inspect_err(|_| self.last.made = None)
@@ -411,7 +409,7 @@ impl StepInequality for Side<'_> {
 
     fn add_rounding(&self, state: &StepState, sizes: &mut [f64]) {
         self.graph.add_rounding(state, sizes);
-        if let Some(compliance) = &self.compliance {
+        for compliance in &self.compliance {
             compliance.add_rounding(&state.u, sizes);
         }
     }

@@ -126,6 +126,12 @@ impl Discretization {
         self.regions.get(c).map_or(0, |&region| usize::from(region))
     }
 
+    /// The side of facet f of the trace.
+    #[inline]
+    pub fn side(&self, f: usize) -> u32 {
+        self.mesh.facet_side[self.trace.mesh_facet[f] as usize]
+    }
+
     /// Nodes of cell c.
     #[inline]
     pub fn cell_nodes(&self, c: usize) -> &[u32] {

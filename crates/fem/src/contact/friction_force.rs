@@ -23,7 +23,7 @@ pub(super) fn violation(
     let points = space.trace.points.iter().zip(view.friction_stresses(space)).enumerate();
     let distances = points.filter(|(_, (point, _))| point.carries()).map(|(i, (point, s))| {
         let x = space.mesh.point(&[point.vertex], &[1.0]);
-        let pressure = model.boundary.as_ref().map_or(0.0, |boundary| {
+        let pressure = model.boundary_on(point.side).map_or(0.0, |boundary| {
             let normal = space.trace.normal(i, view.u);
             boundary.potential_at(x).subdifferential(normal - (boundary.shift)(x)).0
         });

@@ -4,7 +4,7 @@
 use super::assembly::stress_force;
 use super::case::{KKT_ALLOWED, StepView};
 use super::kkt_compliance::{add_exact, add_gauss};
-use super::{BoundaryRule, Discretization, Model, TracePoint, friction_force};
+use super::{Boundary, BoundaryRule, Discretization, Model, TracePoint, friction_force};
 use crate::space::StrainPoint;
 use algebra::in_dimension;
 use algebra::linalg::{axpy, larger, largest};
@@ -92,8 +92,9 @@ fn evaluate<const D: usize, const S: usize>(
     space.frames.without_support(balance);
     let unbalanced = largest(&balance[..space.dofs()]);
     let mut contact = 0.0f64;
-    if let Some(boundary) = &model.boundary {
+    if !model.boundary.is_empty() {
         for (i, point) in space.trace.points.iter().enumerate().filter(|(_, p)| p.carries()) {
+            let Some(boundary) = model.boundary_on(point.side) else { continue };
             let x = space.mesh.point(&[point.vertex], &[1.0]);
             let stiffness = model.elasticity.eigenvalues(D).1;
             let (normal, lambda) = (space.trace.normal(i, view.u), view.multiplier[i]);
@@ -157,49 +158,41 @@ fn largest_terms(space: &Discretization, model: &Model, view: &StepView<'_>) -> 
 fn contact_rounding(space: &Discretization, model: &Model, view: &StepView<'_>) -> Vec<f64> {
     const UNITS: f64 = 8.0;
     let [mut more, mut less] = [(); 2].map(|()| vec![0.0; space.nodes.len()]);
-    let Some(boundary) = model.boundary.as_ref().filter(|b| !b.potential.is_absent()) else {
+    if model.boundary.iter().all(|boundary| boundary.potential.is_absent()) {
         return more;
+    }
+    let shift = |point: &TracePoint, x| {
+        model.boundary_on(point.side).map_or(0.0, |boundary| (boundary.shift)(x))
     };
     let place = |point: &TracePoint| space.mesh.point(&[point.vertex], &[1.0]);
     let points: Vec<[f64; 2]> = (0..)
         .zip(&space.trace.points)
-        .map(|(i, point)| [space.trace.normal(i, view.u), (boundary.shift)(place(point))])
+        .map(|(i, point)| [space.trace.normal(i, view.u), shift(point, place(point))])
         .collect();
     let by = points.iter().fold(0.0f64, |size, [u, s]| size.max(u.abs() + s.abs()))
         * UNITS
         * f64::EPSILON;
-    match boundary.rule {
-        BoundaryRule::Vertex => {
-            for (i, (point, [u, s])) in space.trace.points.iter().zip(points).enumerate() {
-                let potential = boundary.potential_at(place(point));
-                // A vertex at a jump is held there.
-                if !point.carries()
-                    || potential.jumps().iter().any(|jump| (u - s - jump).abs() <= by)
-                {
-                    continue;
-                }
-                let [high, low] = [by, -by].map(|by| potential.subdifferential(u - s + by).0);
-                let change = point.weight * (high - low);
-                space.trace.add_normal(i, change, &mut more);
-                if view.compliance[i] > 0.0
-                    && model.friction.as_ref().is_some_and(|f| f.follows_pressure)
-                {
-                    let m = space.mesh.dimension - 1;
-                    let of_p = |s: &f64| change * s / view.compliance[i];
-                    let parts: Vec<f64> =
-                        view.friction[m * i..m * (i + 1)].iter().map(of_p).collect();
-                    point.add_tangential(&parts, &mut more);
-                }
-            }
+    for (i, (point, [u, s])) in space.trace.points.iter().zip(points).enumerate() {
+        let boundary = model.boundary_on(point.side).filter(|_| point.carries());
+        let Some(boundary) = boundary.filter(|b| b.rule == BoundaryRule::Vertex) else { continue };
+        let potential = boundary.potential_at(place(point));
+        // A vertex at a jump is held there.
+        if potential.jumps().iter().any(|jump| (u - s - jump).abs() <= by) {
+            continue;
         }
-        BoundaryRule::Gauss => {
-            add_gauss(space, boundary, view, by, &mut more);
-            add_gauss(space, boundary, view, -by, &mut less);
+        let [high, low] = [by, -by].map(|by| potential.subdifferential(u - s + by).0);
+        let change = point.weight * (high - low);
+        space.trace.add_normal(i, change, &mut more);
+        if view.compliance[i] > 0.0 && model.friction.as_ref().is_some_and(|f| f.follows_pressure) {
+            let m = space.mesh.dimension - 1;
+            let of_p = |s: &f64| change * s / view.compliance[i];
+            let parts: Vec<f64> = view.friction[m * i..m * (i + 1)].iter().map(of_p).collect();
+            point.add_tangential(&parts, &mut more);
         }
-        BoundaryRule::Exact => {
-            add_exact(space, boundary, view, by, &mut more);
-            add_exact(space, boundary, view, -by, &mut less);
-        }
+    }
+    for boundary in &model.boundary {
+        add_facets(space, boundary, view, by, &mut more);
+        add_facets(space, boundary, view, -by, &mut less);
     }
     let over = 2.0 * UNITS * f64::EPSILON;
     more.iter().zip(less).map(|(more, less)| (more - less).abs() / over).collect()
@@ -212,20 +205,33 @@ fn add_contact_forces(
     balance: &mut [f64],
 ) {
     friction_force::add_force(space, view, balance);
-    let Some(boundary) = &model.boundary else { return };
     for (i, point) in space.trace.points.iter().enumerate() {
+        let Some(boundary) = model.boundary_on(point.side) else { continue };
         let pressure = match boundary.rule {
             BoundaryRule::Vertex => view.compliance[i] + view.multiplier[i],
             BoundaryRule::Gauss | BoundaryRule::Exact => view.multiplier[i],
         };
         space.trace.add_normal(i, point.weight * pressure, balance);
     }
+    for boundary in &model.boundary {
+        add_facets(space, boundary, view, 0.0, balance);
+    }
+}
+
+/// Adds the forces of a law that is integrated over facets, with u_ν - s `moved`.
+fn add_facets(
+    space: &Discretization,
+    boundary: &Boundary,
+    view: &StepView<'_>,
+    moved: f64,
+    force: &mut [f64],
+) {
     match boundary.rule {
         // A law that vanishes costs nothing.
         _ if boundary.potential.is_absent() => {}
         BoundaryRule::Vertex => {}
-        BoundaryRule::Gauss => add_gauss(space, boundary, view, 0.0, balance),
-        BoundaryRule::Exact => add_exact(space, boundary, view, 0.0, balance),
+        BoundaryRule::Gauss => add_gauss(space, boundary, view, moved, force),
+        BoundaryRule::Exact => add_exact(space, boundary, view, moved, force),
     }
 }
 

@@ -26,11 +26,18 @@ pub(crate) fn add_gauss(
     balance: &mut [f64],
 ) {
     let rule = if space.mesh.dimension == 2 { &*ON_EDGES } else { &*ON_TRIANGLES };
-    for facet in 0..space.trace.measure.len() {
+    for facet in facets_of(space, boundary) {
         for (shape, weight) in rule {
             add_point(space, boundary, view, (facet, shape, *weight), moved, balance);
         }
     }
+}
+
+fn facets_of<'a>(
+    space: &'a Discretization,
+    boundary: &'a Boundary,
+) -> impl Iterator<Item = usize> + 'a {
+    (0..space.trace.measure.len()).filter(|&f| boundary.is_on(space.side(f)))
 }
 
 /// The rule of the discrete problem by closed forms of its own, so that a solver with other points is refused: Gauss's
@@ -64,7 +71,7 @@ pub(crate) fn add_exact(
     balance: &mut [f64],
 ) {
     let gauss = gauss_legendre(POINTS);
-    for facet in 0..space.trace.measure.len() {
+    for facet in facets_of(space, boundary) {
         let argument = |x: f64| argument(space, boundary, view, facet, &[1.0 - x, x]) + moved;
         let piece = |x: f64| boundary.potential.kinks().partition_point(|kink| *kink < argument(x));
         let sizes = boundary.potential.kinks().iter().copied();

@@ -55,5 +55,5 @@ pub use plan::Plan;
 pub use problem::ContactProblem;
 pub use stiffness::StiffnessInverse;
 pub use trace::{ContactTrace, Support, TracePoint, facet_measure};
-pub use trace_constant::{TraceMass, TracePart, trace_constants};
+pub use trace_constant::{TraceMass, TracePart, trace_constants, weighted_trace_constants};
 pub use work::Work;

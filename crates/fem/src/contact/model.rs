@@ -55,8 +55,10 @@ impl BoundaryRule {
 /// A function on Γ3.
 pub type OnContact = Box<dyn Fn([f64; 3]) -> f64 + Send + Sync>;
 
-/// Contact data on Γ3.
+/// Contact data on some sides of Γ3.
 pub struct Boundary {
+    /// These sides, by their numbers in the mesh; empty means all of Γ3.
+    pub sides: Vec<u32>,
     /// ∂j_ν, but for the factor.
     pub potential: Arc<dyn Potential>,
     /// c > 0 at a point of Γ3: the law there is c ∂j_ν; none is one.
@@ -70,6 +72,11 @@ pub struct Boundary {
 }
 
 impl Boundary {
+    /// Whether it is that of a side.
+    pub fn is_on(&self, side: u32) -> bool {
+        self.sides.is_empty() || self.sides.contains(&side)
+    }
+
     /// c at a point of Γ3.
     pub fn scale_at(&self, x: [f64; 3]) -> f64 {
         self.scale.as_ref().map_or(1.0, |scale| scale(x))
@@ -89,8 +96,8 @@ pub struct Model {
     pub memory: Vec<MemoryTerm>,
     /// μ and κ(ζ).
     pub projection: Option<AnyProjection>,
-    /// Contact; `None` if Γ3 is empty or carries neither law nor gap.
-    pub boundary: Option<Boundary>,
+    /// Contact, each side of Γ3 in one of them; empty if Γ3 is, or carries neither law nor gap.
+    pub boundary: Vec<Boundary>,
     /// Friction on Γ3.
     pub friction: Option<Friction>,
     /// Quadrature in time.
@@ -100,8 +107,18 @@ pub struct Model {
 impl Model {
     /// True if the discrete problem is linear: neither projection nor contact nor friction.
     pub fn is_linear(&self) -> bool {
-        let on_contact = self.boundary.is_some() || self.friction.is_some();
+        let on_contact = !self.boundary.is_empty() || self.friction.is_some();
         self.projection.limit().is_none() && !on_contact
+    }
+
+    /// What a side of Γ3 has.
+    pub fn boundary_on(&self, side: u32) -> Option<&Boundary> {
+        self.boundary.iter().find(|boundary| boundary.is_on(side))
+    }
+
+    /// g at a point of Γ3 and a time, infinite without a constraint.
+    pub fn gap(&self, side: u32, x: [f64; 3], t: f64) -> f64 {
+        self.boundary_on(side).map_or(f64::INFINITY, |boundary| (boundary.gap)(x, t))
     }
 
     /// ‖ℬ(lag)‖ on S^d, the largest of all regions; zero without memory.

@@ -27,9 +27,9 @@ impl Plan {
     /// The plan of runs of `model` on `space`.
     pub fn of(space: &Discretization, model: &Model) -> Self {
         let linear = model.projection.limit().is_none() && model.friction.is_none();
-        match model.boundary {
-            None if linear => Self::Linear,
-            Some(_) if linear && is_small(space) => Self::Condensed,
+        match model.boundary.is_empty() {
+            true if linear => Self::Linear,
+            false if linear && is_small(space) => Self::Condensed,
             _ => Self::Newton,
         }
     }

@@ -12,12 +12,10 @@ pub(super) fn split_pressures(
     state: &StepState,
     [compliance, multiplier]: [&mut [f64]; 2],
 ) {
-    let Some(boundary) = &model.boundary else { return };
     let mut next = 0;
     for (i, point) in space.trace.points.iter().enumerate() {
-        if !point.carries() {
-            continue;
-        }
+        let boundary = model.boundary_on(point.side).filter(|_| point.carries());
+        let Some(boundary) = boundary else { continue };
         let pressure = state.pressure[next];
         let at = &graph.coordinates[next];
         let normal = graph.normal(next, &state.u);

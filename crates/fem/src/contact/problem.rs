@@ -30,7 +30,7 @@ pub struct ContactProblem<'a> {
     pub(super) space: &'a Discretization,
     pub(super) model: &'a Model,
     pub(super) graph: BoundaryGraph,
-    compliance: Option<FacetCompliance<'a>>,
+    compliance: Vec<FacetCompliance<'a>>,
     /// Positions of the rows and columns of the graph coordinates in the tangent.
     couplings: Vec<Vec<(u32, u32)>>,
     /// Stiffness of 𝒜 and of each ℬ₀.
@@ -84,9 +84,7 @@ impl<'a> ContactProblem<'a> {
         let terms = model.memory.iter();
         let memory = terms.map(|term| space.stiffness_of_unknowns(&term.tensor)).collect();
         let graph = boundary_graph(space, model, &elastic);
-        let facets =
-            |boundary| FacetCompliance::new(space, boundary, |point| point.unknown as usize);
-        let compliance = model.boundary.as_ref().and_then(facets);
+        let compliance = FacetCompliance::all(space, model, |point| point.unknown as usize);
         let dofs: Vec<u32> = graph.coordinates.iter().map(|at| at.dof).collect();
         let couplings = if dofs.is_empty() { Vec::new() } else { space.pattern.couplings(&dofs) };
         let d = space.mesh.dimension;
@@ -245,7 +243,7 @@ impl<'a> ContactProblem<'a> {
     pub(crate) fn unbalanced(&self, state: &StepState) -> Vec<f64> {
         let mut force = vec![0.0; state.u.len()];
         self.space.pattern.multiply(&self.linear, &state.u, &mut force);
-        if let Some(compliance) = &self.compliance {
+        for compliance in &self.compliance {
             compliance.add_force(&self.unknowns, &mut force);
         }
         for (at, pressure) in self.graph.coordinates.iter().zip(&state.pressure) {
@@ -422,7 +420,7 @@ impl StepInequality for ContactProblem<'_> {
     }
 
     fn descent(&self, i: usize) -> f64 {
-        let facets = self.compliance.as_ref().map_or(0.0, FacetCompliance::descent);
+        let facets = self.compliance.iter().map(FacetCompliance::descent).fold(0.0, f64::max);
         self.graph.descent(i).max(facets)
     }
 
@@ -431,7 +429,7 @@ impl StepInequality for ContactProblem<'_> {
         self.take(u);
         self.follow_pressure();
         in_dimension!(self.space.mesh.dimension, D, S => self.force::<D, S>(out));
-        if let Some(compliance) = &self.compliance {
+        for compliance in &self.compliance {
             compliance.add_force(&self.unknowns, out);
         }
         axpy(-1.0, &self.load, out);
@@ -446,7 +444,7 @@ impl StepInequality for ContactProblem<'_> {
     fn linearize(&mut self, slopes: &[f64], prescribed: &[Option<f64>]) -> Result<(), FactorError> {
         let start = Instant::now();
         // Without projection and compliance on facets the tangent is known from slot, slopes, pins.
-        let constant = self.model.projection.limit().is_none() && self.compliance.is_none();
+        let constant = self.model.projection.limit().is_none() && self.compliance.is_empty();
         let unchanged = !self.last.replace(&self.slot, slopes, prescribed) && constant;
         let mut tangent = std::mem::take(&mut self.jacobian.values);
         tangent.clone_from(&self.linear);
@@ -454,7 +452,7 @@ impl StepInequality for ContactProblem<'_> {
         self.jacobian.rank_one = in_dimension!(
             self.space.mesh.dimension, D, S => self.projected_tangent::<D, S>(&mut tangent, room)
         );
-        if let Some(compliance) = &self.compliance {
+        for compliance in &self.compliance {
             let pattern = &self.space.pattern;
             let add = |at, value| pattern.add(at, value, &mut tangent);
             compliance.each_tangent(&self.unknowns, add);
@@ -492,7 +490,7 @@ impl StepInequality for ContactProblem<'_> {
     fn add_rounding(&self, state: &StepState, sizes: &mut [f64]) {
         self.graph.add_rounding(state, sizes);
         self.add_rounding_of_friction(state, sizes);
-        if let Some(compliance) = &self.compliance {
+        for compliance in &self.compliance {
             compliance.add_rounding(&state.u, sizes);
         }
     }

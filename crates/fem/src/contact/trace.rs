@@ -15,6 +15,8 @@ pub struct TracePoint {
     pub vertex: u32,
     /// Its node.
     pub node: u32,
+    /// The side of the mesh that it is on, the first one in the order of facets where several lie in one plane.
+    pub side: u32,
     /// ν, padded with zeros to three numbers.
     pub normal: [f64; 3],
     /// The unknown that carries u_ν = sign · unknown ([`Frames`] where ν is no axis).
@@ -110,12 +112,12 @@ impl ContactTrace {
         let mut known: BTreeMap<u32, Vec<usize>> = BTreeMap::new();
         for f in mesh.facets_on(sides) {
             let normal = mesh.normal(f);
-            let measure = facet_measure(mesh, f);
+            let (side, measure) = (mesh.facet_side[f], facet_measure(mesh, f));
             for (&vertex, weight) in nodes.on_facet(f).iter().zip(&weights) {
                 let here = known.entry(vertex).or_default();
                 let same = |&at: &usize| norm(minus(trace.points[at].normal, normal)) < SAME_NORMAL;
                 let at = here.iter().copied().find(same).unwrap_or_else(|| {
-                    trace.points.push(TracePoint::new(vertex, normal, nodes, d));
+                    trace.points.push(TracePoint::new((vertex, side), normal, nodes, d));
                     here.push(trace.points.len() - 1);
                     trace.points.len() - 1
                 });
@@ -247,13 +249,14 @@ impl ContactTrace {
 }
 
 impl TracePoint {
-    fn new(vertex: u32, normal: [f64; 3], nodes: &Nodes, d: usize) -> Self {
+    fn new((vertex, side): (u32, u32), normal: [f64; 3], nodes: &Nodes, d: usize) -> Self {
         let node = nodes.of_vertex[vertex as usize];
         let clamped = node as usize >= nodes.free;
         let (tangents, dimension) = ([[0.0; 3]; 2], d as u8);
         let mut point = Self {
             vertex,
             node,
+            side,
             normal,
             unknown: 0,
             sign: 1.0,

@@ -40,10 +40,23 @@ pub fn trace_constants<const K: usize>(
     tensor: &TensorField,
     squares: [(TracePart, TraceMass); K],
 ) -> Result<[Extreme; K], EigenError> {
+    weighted_trace_constants(space, tensor, squares, &|_| 1.0)
+}
+
+/// The same with the square on each side of Γ3 times its `weight`, at least 0.
+///
+/// # Errors
+/// As [`trace_constants`].
+pub fn weighted_trace_constants<const K: usize>(
+    space: &Discretization,
+    tensor: &TensorField,
+    squares: [(TracePart, TraceMass); K],
+    weight: &(dyn Fn(u32) -> f64 + Sync),
+) -> Result<[Extreme; K], EigenError> {
     let mut stiffness = StiffnessInverse::passing(space, tensor)?;
     let mut found = squares.map(|_| Extreme::default());
     for (found, square) in found.iter_mut().zip(squares) {
-        *found = largest_quotient(space, &mut stiffness, square)?;
+        *found = largest_quotient(space, &mut stiffness, square, weight)?;
     }
     Ok(found)
 }
@@ -69,9 +82,10 @@ fn largest_quotient(
     space: &Discretization,
     stiffness: &mut StiffnessInverse<'_>,
     (part, mass): (TracePart, TraceMass),
+    weight: &(dyn Fn(u32) -> f64 + Sync),
 ) -> Result<Extreme, EigenError> {
     let nodal = vec![0.0; space.nodes.len()];
-    let mut map = Quotient { space, stiffness, part, mass, nodal };
+    let mut map = Quotient { space, stiffness, part, mass, weight, nodal };
     // A constant pressure and some of everything else: no symmetry of the mesh hides the maximum.
     let (mut seed, mut load) = (1, vec![0.0; space.nodes.len()]);
     for (i, _) in space.trace.points.iter().enumerate().filter(|(_, point)| !point.clamped) {
@@ -93,13 +107,14 @@ struct Quotient<'a, 'b> {
     stiffness: &'a mut StiffnessInverse<'b>,
     part: TracePart,
     mass: TraceMass,
+    weight: &'a (dyn Fn(u32) -> f64 + Sync),
     nodal: Vec<f64>,
 }
 
 impl LinearMap for Quotient<'_, '_> {
     fn apply(&mut self, x: &[f64], out: &mut [f64]) -> Result<(), FactorError> {
         self.nodal[..x.len()].copy_from_slice(x);
-        let mut force = trace_mass(self.space, (self.part, self.mass), &self.nodal);
+        let mut force = self.trace_mass();
         force.truncate(out.len());
         out.copy_from_slice(&force);
         self.stiffness.solve(out);
@@ -111,31 +126,36 @@ impl LinearMap for Quotient<'_, '_> {
     }
 }
 
-/// M v over all nodes: ∫_{Γ3} v_ν φ_ν, or the same of the tangential part.
-fn trace_mass(space: &Discretization, (part, mass): (TracePart, TraceMass), v: &[f64]) -> Vec<f64> {
-    let mut out = vec![0.0; v.len()];
-    let trace = &space.trace;
-    match mass {
-        TraceMass::Lumped => {
-            for (i, point) in trace.points.iter().enumerate() {
-                let value = part.value(trace, i, v).map(|value| point.weight * value);
-                part.add(trace, i, value, &mut out);
+impl Quotient<'_, '_> {
+    /// M v over all nodes: Σ c_i ∫_{Γ_i} v_ν φ_ν, or the same of the tangential part.
+    fn trace_mass(&self) -> Vec<f64> {
+        let (space, part, v) = (self.space, self.part, &self.nodal);
+        let mut out = vec![0.0; v.len()];
+        let trace = &space.trace;
+        match self.mass {
+            TraceMass::Lumped => {
+                for (i, point) in trace.points.iter().enumerate() {
+                    let weight = (self.weight)(point.side) * point.weight;
+                    let value = part.value(trace, i, v).map(|value| weight * value);
+                    part.add(trace, i, value, &mut out);
+                }
             }
-        }
-        TraceMass::Consistent => {
-            let mean = space.element.mass(Simplex::facet(space.mesh.dimension));
-            for (f, measure) in trace.measure.iter().enumerate() {
-                let members = trace.facet(f);
-                for (&i, row) in members.iter().zip(mean.chunks_exact(members.len())) {
-                    let mut value = [0.0; 2];
-                    for (&j, mean) in members.iter().zip(row) {
-                        let trace_value = part.value(trace, j as usize, v);
-                        (0..2).for_each(|k| value[k] += measure * mean * trace_value[k]);
+            TraceMass::Consistent => {
+                let mean = space.element.mass(Simplex::facet(space.mesh.dimension));
+                for (f, measure) in trace.measure.iter().enumerate() {
+                    let (members, measure) =
+                        (trace.facet(f), (self.weight)(space.side(f)) * measure);
+                    for (&i, row) in members.iter().zip(mean.chunks_exact(members.len())) {
+                        let mut value = [0.0; 2];
+                        for (&j, mean) in members.iter().zip(row) {
+                            let trace_value = part.value(trace, j as usize, v);
+                            (0..2).for_each(|k| value[k] += measure * mean * trace_value[k]);
+                        }
+                        part.add(trace, i as usize, value, &mut out);
                     }
-                    part.add(trace, i as usize, value, &mut out);
                 }
             }
         }
+        out
     }
-    out
 }

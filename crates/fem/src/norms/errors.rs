@@ -118,12 +118,11 @@ fn facets(space: &Discretization, view: &StepView<'_>, truth: &Moments, errors: 
 /// set holds its locked corners, and the edges and triangles whose corners are all locked; of elements with one point a
 /// facet, the facets where it is.
 fn contact_set(space: &Discretization, model: &Model, view: &StepView<'_>, truth: &Moments) -> f64 {
-    let Some(boundary) = &model.boundary else { return 0.0 };
-    if truth.locked.is_empty() {
+    if model.boundary.is_empty() || truth.locked.is_empty() {
         return 0.0;
     }
     let is_locked = |(i, point): (usize, &TracePoint)| {
-        let gap = (boundary.gap)(space.mesh.point(&[point.vertex], &[1.0]), view.t);
+        let gap = model.gap(point.side, space.mesh.point(&[point.vertex], &[1.0]), view.t);
         is_locked(space.trace.normal(i, view.u), gap)
     };
     let locked: Vec<bool> = space.trace.points.iter().enumerate().map(is_locked).collect();

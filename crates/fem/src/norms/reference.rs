@@ -53,15 +53,13 @@ impl ReferenceRun {
     pub fn keep(&mut self, model: &Model, view: &StepView<'_>) {
         let space = &self.space;
         let gap = |i: usize| {
-            let boundary = model.boundary.as_ref()?;
-            let x = space.mesh.point(&[space.trace.points[i].vertex], &[1.0]);
-            Some((boundary.gap)(x, view.t))
+            let point = &space.trace.points[i];
+            model.gap(point.side, space.mesh.point(&[point.vertex], &[1.0]), view.t)
         };
         let points = 0..space.trace.points.len();
         let normal: Vec<f64> = points.clone().map(|i| space.trace.normal(i, view.u)).collect();
         let LevelFields { u, stress, pressure } = LevelFields::of(space, model, view);
-        let locked =
-            points.map(|i| gap(i).is_some_and(|g| super::is_locked(normal[i], g))).collect();
+        let locked = points.map(|i| super::is_locked(normal[i], gap(i))).collect();
         self.levels.push(Level { t: view.t, u, stress, normal, pressure, locked });
     }
 

@@ -111,7 +111,7 @@ fn questions(setup: &Setup, variable: Variable) -> Vec<String> {
     if body.friction().is_some() {
         questions.push("is friction that of each vertex and level".to_owned());
     }
-    if body.contact.is_some() {
+    if !body.contact.is_empty() {
         questions.push("are gap, shift and law those of each vertex in contact".to_owned());
     }
     if body.element != Element::P1 {

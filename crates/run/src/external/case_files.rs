@@ -6,7 +6,7 @@ use std::sync::Arc;
 use serde_json::{Value, json};
 
 use super::answer::{Array, encode};
-use fem::contact::{CaseError, Discretization, LoadError, OnContactInTime, Support};
+use fem::contact::{CaseError, Discretization, LoadError, Support};
 use fem::space::quadrature::Rule;
 use files::replace_file;
 use scene::setup::{MeshData, Setup};
@@ -32,6 +32,8 @@ pub struct ContactRow {
     pub numbers: [f64; 4],
     /// The displacement is zero there.
     pub clamped: bool,
+    /// Of its side, among the tables `[[contact]]` of the scene; 0 with one `[contact]`.
+    pub table: usize,
 }
 
 /// The data of a case beside the mesh.
@@ -109,7 +111,8 @@ pub fn write_case(dir: &Path, setup: &Setup, data: &MeshData, steps: u32) -> Res
     if !space.supports.is_empty() {
         written("symmetry.csv", symmetry(&space.supports, space.mesh.dimension))?;
     }
-    written("contact.csv", contact_table(&given.contact, space.mesh.dimension))?;
+    let several = setup.body.contact.len() > 1;
+    written("contact.csv", contact_table(&given.contact, space.mesh.dimension, several))?;
     file("times.npy", &encode(&[given.times.len()], &given.times))?;
     let array = |name: &str, array: &Array| file(name, &encode(&array.shape, &array.numbers));
     given.kernels.iter().try_for_each(|kernels| array("kernels.npy", kernels))?;
@@ -242,7 +245,8 @@ fn symmetry(rows: &[Support], d: usize) -> Result<Vec<u8>, csv::Error> {
 fn contact(setup: &Setup, space: &Discretization) -> Vec<ContactRow> {
     let row = |point: &fem::contact::TracePoint| {
         let x = space.mesh.point(&[point.vertex], &[1.0]);
-        let [gap, shift, scale] = match &setup.model.boundary {
+        let boundary = setup.model.boundary_on(point.side);
+        let [gap, shift, scale] = match boundary {
             Some(boundary) => [(boundary.gap)(x, 0.0), (boundary.shift)(x), boundary.scale_at(x)],
             None => [f64::INFINITY, 0.0, 1.0],
         };
@@ -251,6 +255,7 @@ fn contact(setup: &Setup, space: &Discretization) -> Vec<ContactRow> {
             normal: point.normal,
             numbers: [point.weight, gap, shift, scale],
             clamped: point.clamped,
+            table: table_of(setup, point.side),
         }
     };
     space.trace.points.iter().map(row).collect()
@@ -258,34 +263,54 @@ fn contact(setup: &Setup, space: &Discretization) -> Vec<ContactRow> {
 
 /// c(x, t) of S = c S_0(|u_τ|), or of S = c p(u_ν).
 fn friction(setup: &Setup, space: &Discretization, grid: &TimeGrid) -> Option<Array> {
-    Some(by_level(&setup.model.friction.as_ref()?.factor, space, grid))
+    let factor = &setup.model.friction.as_ref()?.factor;
+    Some(by_level(|_, x, t| factor(x, t), space, grid))
 }
 
 /// g(x, t).
 fn gaps(setup: &Setup, space: &Discretization, grid: &TimeGrid) -> Option<Array> {
     let moves = setup.body.gap_moves(&setup.scene.formulas);
-    let boundary = setup.model.boundary.as_ref().filter(|_| moves)?;
-    Some(by_level(&boundary.gap, space, grid))
+    let gap = |side, x, t| setup.model.gap(side, x, t);
+    moves.then(|| by_level(gap, space, grid))
 }
 
-/// A function at the rows of Γ3 and all levels.
-fn by_level(of: &OnContactInTime, space: &Discretization, grid: &TimeGrid) -> Array {
+/// Which of the tables of contact a side is in.
+fn table_of(setup: &Setup, side: u32) -> usize {
+    let mut tables = setup.body.contact.iter();
+    tables.position(|contact| contact.sides.iter().any(|known| known.0 == side)).unwrap_or(0)
+}
+
+/// A function of side, place and time at the rows of Γ3 and all levels.
+fn by_level(
+    of: impl Fn(u32, [f64; 3], f64) -> f64,
+    space: &Discretization,
+    grid: &TimeGrid,
+) -> Array {
     let points = &space.trace.points;
-    let places: Vec<[f64; 3]> =
-        points.iter().map(|point| space.mesh.point(&[point.vertex], &[1.0])).collect();
-    let at = |&t: &f64| places.iter().map(move |&x| of(x, t));
-    let numbers = grid.times().iter().flat_map(at).collect();
+    let places: Vec<(u32, [f64; 3])> = points
+        .iter()
+        .map(|point| (point.side, space.mesh.point(&[point.vertex], &[1.0])))
+        .collect();
+    let times = grid.times().iter();
+    let numbers = times
+        .flat_map(|&t| places.iter().map(move |&place| (place, t)))
+        .map(|((side, x), t)| of(side, x, t));
+    let numbers = numbers.collect();
     Array { shape: vec![grid.steps() + 1, points.len()], numbers }
 }
 
-fn contact_table(rows: &[ContactRow], d: usize) -> Result<Vec<u8>, csv::Error> {
+/// With the column `table` where there are several: readers of others count on nine columns in the plane.
+fn contact_table(rows: &[ContactRow], d: usize, several: bool) -> Result<Vec<u8>, csv::Error> {
     let names = COORDINATES[..d].iter().map(|name| format!("n{name}"));
     let names = std::iter::once("vertex".to_owned()).chain(names);
-    let head = between("row", names, &["weight", "gap", "shift", "scale", "clamped"]);
+    let mut head = between("row", names, &["weight", "gap", "shift", "scale", "clamped"]);
+    head.extend(several.then(|| "table".to_owned()));
     let cells = |(i, row): (usize, &ContactRow)| {
         let numbers = row.normal[..d].iter().chain(&row.numbers).map(f64::to_string);
         let inner = std::iter::once(row.vertex.to_string()).chain(numbers);
-        between(&i.to_string(), inner, &[flag(row.clamped)])
+        let mut cells = between(&i.to_string(), inner, &[flag(row.clamped)]);
+        cells.extend(several.then(|| row.table.to_string()));
+        cells
     };
     table(head, rows.iter().enumerate().map(cells))
 }

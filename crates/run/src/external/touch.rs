@@ -80,7 +80,7 @@ fn touches(left: &Left<'_>) -> Vec<Touch> {
     {
         let (x, at) = (space.mesh.point(&[point.vertex], &[1.0]), d * point.node as usize);
         let absent = || Scaled { potential: Arc::new(NoPotential), factor: 1.0 };
-        let boundary = model.boundary.as_ref();
+        let boundary = model.boundary_on(point.side);
         // With other rules the law is in the balance of forces already.
         let lawful = boundary.filter(|boundary| boundary.rule == BoundaryRule::Vertex);
         let shift = boundary.map_or(0.0, |boundary| (boundary.shift)(x));

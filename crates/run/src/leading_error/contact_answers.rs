@@ -12,12 +12,12 @@ const HELD: f64 = 1e10;
 impl<const S: usize> InSpace<S> {
     /// Response of the pressure at each point of the trace; None where u = 0 is given or there is no law.
     pub(super) fn answers(&self, state: &State<S>) -> Vec<Option<Answer>> {
-        let contact = self.exact.data.contact.as_ref();
-        let law = contact.and_then(|contact| contact.law.as_ref());
         let mut answers = Vec::with_capacity(state.contact.len());
         for (point, &[normal, _, _, xi, lambda]) in
             self.space.trace.points.iter().zip(&state.contact)
         {
+            let contact = self.exact.contact_on(point.side);
+            let law = contact.and_then(|contact| contact.law.as_ref());
             // The law is c p: its slope is c times that of p at ξ/c.
             let shift = self.at_vertex(contact.and_then(|known| known.shift), 0.0, point.vertex);
             let scale = self.at_vertex(contact.and_then(|known| known.scale), 1.0, point.vertex);
@@ -62,7 +62,7 @@ impl<const S: usize> InSpace<S> {
     }
 
     fn friction_formulas(&self) -> Option<&FrictionFormulas> {
-        self.exact.data.contact.as_ref()?.friction.as_ref()
+        self.exact.data.contact.iter().find_map(|contact| contact.friction.as_ref())
     }
 
     /// Adds the slopes of friction at slipping vertices; holds u_τ of sticking ones.

@@ -238,7 +238,7 @@ pub(super) fn norms(scene: &Scene, n: Option<u32>) -> Vec<Norm> {
             return norms;
         }
     };
-    let on_contact = body.contact.as_ref().is_some_and(|c| c.gap.is_some() || c.law.is_some());
+    let on_contact = body.has_gap() || body.laws().next().is_some();
     Norm::all()
         .filter(|&norm| match norm {
             Norm::VTimeMax | Norm::VProjectionMax | Norm::DisplacementMax => asked(norm),

@@ -21,6 +21,9 @@ impl Side {
 /// Names of the sides of a box; a rectangle has the first four.
 pub(super) const OF_A_BOX: [&str; 6] = ["left", "right", "bottom", "top", "front", "back"];
 
+/// Distance below which corners are one, over the longest edge.
+const SAME_PLACE: f64 = 1e-9;
+
 /// A plane piece of a side: a segment, a rectangle of a box, or a triangle.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Face {
@@ -84,6 +87,18 @@ impl Face {
             if found.undefined { Interval::ALL } else { sign * found.range }
         });
         (found, self.part(found.at.map(Interval::point)).map(Interval::middle))
+    }
+
+    /// Its corners.
+    pub(crate) fn corners(&self) -> Vec<[f64; 3]> {
+        self.points(1)
+    }
+
+    /// Whether a place is one of its corners, but for rounding.
+    pub(crate) fn has_corner(&self, p: [f64; 3]) -> bool {
+        let near =
+            |q: [f64; 3]| length([0, 1, 2].map(|i| p[i] - q[i])) <= SAME_PLACE * self.longest();
+        self.corners().into_iter().any(near)
     }
 
     pub(crate) fn lengths(&self) -> Vec<f64> {

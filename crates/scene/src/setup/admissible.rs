@@ -3,7 +3,7 @@
 use super::constants::{Smallness, needed};
 use super::regularity::contact_claims;
 use super::{Result, Setup};
-use crate::{Face, Hypothesis, SceneError};
+use crate::{Contact, Face, Hypothesis, Law, SceneError, Side};
 use exact::{Exact, Sliding};
 use files::digits;
 use formula::Program;
@@ -27,9 +27,11 @@ pub fn admissible(setup: &Setup) -> Result<()> {
         clamped(setup, exact)?;
         symmetric(setup, exact)?;
         let domain = &setup.body.domain;
-        for face in domain.contact.iter().flat_map(|&side| domain.faces(side)) {
-            contact_state(setup, exact, &face)?;
-            friction(setup, exact, &face)?;
+        for &side in &domain.contact {
+            for face in domain.faces(side) {
+                contact_state(setup, exact, (side, &face))?;
+                friction(setup, exact, (side, &face))?;
+            }
         }
     }
     contact_claims(setup)
@@ -67,23 +69,23 @@ fn smallness(setup: &Setup) -> Result<()> {
     let (by, key, remedy) = match &constants.coulomb {
         Some(_) => (
             "the smallness condition (2.9) fails: A c_nu^2 + B c_tau^2 =",
-            "contact.friction.bound.coefficient",
+            "friction.bound.coefficient",
             "lower the coefficient, flatten the normal law or stiffen the body (A and B are explained in docs/CONTACT-LAWS.md)",
         ),
         None if constants.alpha_tau > 0.0 => (
             "the smallness condition (2.9) fails: alpha_nu c_nu^2 + alpha_tau c_tau^2 =",
-            "contact.friction.bound",
+            "friction.bound",
             "let the bound fall more slowly with the slip, flatten the falling branch of the normal law or stiffen the body",
         ),
         None => (
             "the smallness condition (2.9) fails: alpha_nu c_j^2 =",
-            "contact.law",
+            "law",
             "flatten the falling branch of the law or stiffen the body",
         ),
     };
     let [normal, tangential] = constants.coefficients();
     let of = |a: f64, b: f64| format!("{} * {}", digits(a, 5), digits(b, 5));
-    let mut product = of(normal, constants.c_j_squared);
+    let mut product = of(normal, constants.c_nu_squared);
     if by.contains('+') {
         product += &format!(" + {}", of(tangential, constants.c_tau_squared));
     }
@@ -93,7 +95,12 @@ fn smallness(setup: &Setup) -> Result<()> {
         digits(constants.m_elastic, 5)
     );
     let hint = format!("{remedy}; or say violates = [\"2.9\"] in [scene] to run it all the same");
-    Err(scene.error(key, message, hint).into())
+    // At the part that takes most.
+    let alpha = |contact: &&Contact| contact.law.as_ref().map_or(0.0, Law::alpha);
+    let parts = setup.body.contact.iter();
+    let most = parts.max_by(|a, b| alpha(a).total_cmp(&alpha(b)));
+    let key = most.map_or_else(String::new, |contact| format!("{}.{key}", contact.key));
+    Err(scene.error(&key, message, hint).into())
 }
 
 fn samples_along(setup: &Setup) -> u32 {
@@ -208,8 +215,12 @@ fn symmetric(setup: &Setup, exact: &Exact) -> Result<(), SceneError> {
 }
 
 /// u_ν ≤ g, λ ≥ 0, λ(g - u_ν) = 0, ξ ∈ ∂j_ν(u_ν) on a plane piece of Γ3.
-fn contact_state(setup: &Setup, exact: &Exact, face: &Face) -> Result<(), SceneError> {
-    let formulas = exact.boundary(&face.normal[..setup.scene.dimension]);
+fn contact_state(
+    setup: &Setup,
+    exact: &Exact,
+    (side, face): (Side, &Face),
+) -> Result<(), SceneError> {
+    let formulas = exact.boundary(side.0, &face.normal[..setup.scene.dimension]);
     visit(setup, &formulas.program, 5, &face.points(samples_along(setup)), |at, values| {
         let &[u_nu, _, gap, xi, lambda] = values else { return Ok(()) };
         let scene = &setup.scene;
@@ -230,14 +241,14 @@ fn contact_state(setup: &Setup, exact: &Exact, face: &Face) -> Result<(), SceneE
         let hint = "complementarity: lambda (u_nu - g) = 0, so lambda > 0 only where u_nu = g";
         let below = gap.is_finite() && lambda > 0.0 && gap - u_nu > ROUNDING * gap.abs();
         scene.refuse_if(below, "exact.multiplier", message, hint)?;
-        selection(&at, u_nu, xi)
+        selection(side, &at, u_nu, xi)
     })
 }
 
 /// s ∈ S ∂|u_τ| on a plane piece of Γ3.
-fn friction(setup: &Setup, exact: &Exact, face: &Face) -> Result<(), SceneError> {
+fn friction(setup: &Setup, exact: &Exact, (side, face): (Side, &Face)) -> Result<(), SceneError> {
     let d = setup.scene.dimension;
-    let Some(friction) = exact.friction(&face.normal[..d]) else { return Ok(()) };
+    let Some(friction) = exact.friction(side.0, &face.normal[..d]) else { return Ok(()) };
     let points = face.points(samples_along(setup));
     visit(setup, &friction.program, Sliding::numbers(d), &points, |at, values| {
         let sliding = Sliding::new(friction.tangents, d, |i| values[i]);
@@ -264,8 +275,8 @@ fn friction(setup: &Setup, exact: &Exact, face: &Face) -> Result<(), SceneError>
 }
 
 /// ξ ∈ ∂j_ν(u_ν - s), if the scene states ξ.
-fn selection(at: &Sample<'_>, u_nu: f64, xi: f64) -> Result<(), SceneError> {
-    let Some(boundary) = &at.setup.model.boundary else { return Ok(()) };
+fn selection(side: Side, at: &Sample<'_>, u_nu: f64, xi: f64) -> Result<(), SceneError> {
+    let Some(boundary) = at.setup.model.boundary_on(side.0) else { return Ok(()) };
     let x = at.place;
     let (lo, hi) = boundary.potential_at(x).subdifferential(u_nu - (boundary.shift)(x));
     let slack = ROUNDING * lo.abs().max(hi.abs()).max(f64::MIN_POSITIVE);

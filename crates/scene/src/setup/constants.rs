@@ -1,10 +1,10 @@
 //! Constants of the contact problem (section 5 of the paper) for its step size.
 
-use super::trace_constant::{TraceConstant, trace_constant};
+use super::trace_constant::{TraceConstant, weighted_trace_constant};
 use super::{AbstractSetup, Result, Setup, SetupError, elasticity};
-use crate::RelaxationTerm;
 use crate::memory::in_the_largest;
-use fem::contact::{Discretization, TraceMass, TracePart, trace_constants};
+use crate::{RelaxationTerm, Side};
+use fem::contact::{Discretization, TraceMass, TracePart, weighted_trace_constants};
 use formula::{EvaluationPoint, Graph, Interval, Node, Place, Variable};
 use vhi::history::TimeRule;
 use vhi::law::TensorField;
@@ -21,8 +21,14 @@ pub struct Constants {
     pub l_a: f64,
     /// α_φ = μ, from the projection only; [`Self::alpha_phi_as_printed`] includes all of φ.
     pub alpha_phi: f64,
-    /// α_ν of (2.8c) (a stiffness).
+    /// α_ν of (2.8c) (a stiffness), the largest of all contact sides.
     pub alpha_nu: f64,
+    /// c_ν² (a length) of Σ α_i ‖v_ν‖² ≤ α_ν c_ν² ‖ε(v)‖² over the contact sides: c_j² where there is one law.
+    pub c_nu_squared: f64,
+    /// Between these.
+    pub c_nu_range: [f64; 2],
+    /// A proved upper bound of c_ν².
+    pub c_nu_squared_bound: Option<f64>,
     /// c_j² (a length): a limit of meshes, not a bound.
     pub c_j_squared: f64,
     /// Between these.
@@ -111,14 +117,14 @@ pub struct RegionSlot {
 }
 
 impl Constants {
-    /// α_ν c_j² + α_τ c_τ².
+    /// α_ν c_ν² + α_τ c_τ².
     pub(super) fn falls(&self) -> f64 {
-        self.alpha_nu * self.c_j_squared + self.alpha_tau * self.c_tau_squared
+        self.alpha_nu * self.c_nu_squared + self.alpha_tau * self.c_tau_squared
     }
 
     /// α_ν and α_τ; with friction that follows the normal law A and B of [`Coulomb::coefficients`].
     pub(super) fn coefficients(&self) -> [f64; 2] {
-        self.coefficients_with([self.c_j_squared, self.c_tau_squared])
+        self.coefficients_with([self.c_nu_squared, self.c_tau_squared])
     }
 
     fn coefficients_with(&self, [c_j_squared, c_tau_squared]: [f64; 2]) -> [f64; 2] {
@@ -128,10 +134,10 @@ impl Constants {
         }
     }
 
-    /// α_ν c_j² + α_τ c_τ², the part of the monotonicity taken by falling laws, or A c_j² + B c_τ², which bounds λ_max(A
+    /// α_ν c_ν² + α_τ c_τ², the part of the monotonicity taken by falling laws, or A c_j² + B c_τ², which bounds λ_max(A
     /// M_ν + B M_τ).
     pub fn concave(&self) -> f64 {
-        self.concave_with([self.c_j_squared, self.c_tau_squared])
+        self.concave_with([self.c_nu_squared, self.c_tau_squared])
     }
 
     /// The same of other c_j² and c_τ², with which it grows.
@@ -224,9 +230,15 @@ impl Constants {
 pub fn constants(setup: &Setup) -> Result<Constants> {
     let tangential = match setup.model.friction {
         None => TraceConstant::ZERO,
-        Some(_) => of_domain(setup, TracePart::Tangential)?,
+        Some(_) => of_domain(setup, TracePart::Tangential, &[])?,
     };
-    Ok(with_trace_constants(setup, &of_domain(setup, TracePart::Normal)?, &tangential))
+    let normal = of_domain(setup, TracePart::Normal, &[])?;
+    let falling = falling_sides(setup);
+    let falling = match falling[..] {
+        [] => normal.clone(),
+        _ => of_domain(setup, TracePart::Normal, &falling)?,
+    };
+    Ok(with_trace_constants(setup, [&normal, &falling, &tangential]))
 }
 
 /// The constants for the step size: c_j² is computed only if the law falls somewhere.
@@ -242,37 +254,42 @@ pub fn step_bounds(setup: &Setup) -> Result<StepBounds> {
 /// # Errors
 /// As [`constants`].
 pub(super) fn needed(setup: &Setup) -> Result<Constants> {
-    with_needed(setup, |part| of_domain(setup, part))
+    with_needed(setup, |part, weights| of_domain(setup, part, weights))
 }
 
-/// c_j² or c_τ², without contact 0.
-fn of_domain(setup: &Setup, part: TracePart) -> Result<TraceConstant> {
+/// c_j², c_ν² or c_τ², without contact 0.
+fn of_domain(setup: &Setup, part: TracePart, weights: &[(Side, f64)]) -> Result<TraceConstant> {
     let domain = &setup.body.domain;
     if domain.contact.is_empty() {
         return Ok(TraceConstant::ZERO);
     }
     // ‖ε(v)‖² is the energy of the tensor with 2μ = 1 and λ = 0.
-    trace_constant(domain, &TensorField::identity(), part)
+    weighted_trace_constant(domain, &TensorField::identity(), part, weights)
 }
 
-/// The constants with c_j² and c_τ², each computed only if a law on Γ3 takes from the monotonicity by it.
+/// The constants with c_ν² and c_τ², each computed only if a law on Γ3 takes from the monotonicity by it, and c_j² where it
+/// is c_ν².
 pub(super) fn with_needed(
     setup: &Setup,
-    constant: impl Fn(TracePart) -> Result<TraceConstant>,
+    constant: impl Fn(TracePart, &[(Side, f64)]) -> Result<TraceConstant>,
 ) -> Result<Constants> {
     let follows = coulomb(setup).is_some();
     let falls = setup.body.friction().is_some_and(|friction| friction.alpha() > 0.0);
-    let needed = |part, is_needed| if is_needed { constant(part) } else { Ok(TraceConstant::ZERO) };
-    let normal = needed(TracePart::Normal, alpha_nu(setup) > 0.0 || follows)?;
-    let tangential = needed(TracePart::Tangential, falls || follows)?;
-    Ok(with_trace_constants(setup, &normal, &tangential))
+    let needed = |part, weights: &[(Side, f64)], is_needed| match is_needed {
+        true => constant(part, weights),
+        false => Ok(TraceConstant::ZERO),
+    };
+    let sides = falling_sides(setup);
+    let falling = needed(TracePart::Normal, &sides, alpha_nu(setup) > 0.0 || follows)?;
+    let tangential = needed(TracePart::Tangential, &[], falls || follows)?;
+    let normal = if sides.is_empty() { &falling } else { &TraceConstant::ZERO };
+    Ok(with_trace_constants(setup, [normal, &falling, &tangential]))
 }
 
-/// The constants of a scene for a given c_j² and c_τ².
+/// The constants of a scene for a given c_j², c_ν² and c_τ².
 pub fn with_trace_constants(
     setup: &Setup,
-    normal: &TraceConstant,
-    tangential: &TraceConstant,
+    [normal, falling, tangential]: [&TraceConstant; 3],
 ) -> Constants {
     let scene = &setup.scene;
     let material = &setup.body.material;
@@ -312,6 +329,10 @@ pub fn with_trace_constants(
         // each triangle (or tetrahedron) has one of them, and h times the sum over edges with the vertex weights is the
         // integral over Ω.
         c_j_squared_bound: setup.body.domain.depth_under_contact(),
+        c_nu_squared: falling.value,
+        c_nu_range: falling.range(),
+        // That of the sides with the falling law, if it is one.
+        c_nu_squared_bound: under_falling_laws(setup).depth_under_contact(),
         m0: f64::NAN,
         m0_range: [f64::NAN; 2],
         lipschitz_kappa,
@@ -322,23 +343,64 @@ pub fn with_trace_constants(
         singular: (power, MemoryNorms::of_all(&singular)),
         regions,
     };
-    let [[c_j, most_c_j], [c_tau, most_c_tau]] = [constants.c_j_range, constants.c_tau_range];
+    let [[c_nu, most_c_nu], [c_tau, most_c_tau]] = [constants.c_nu_range, constants.c_tau_range];
     let m0 = |squares| match constants.concave_with(squares) {
         f64::INFINITY => f64::NEG_INFINITY,
         concave => monotonicity(m_elastic, concave),
     };
-    let range = [m0([most_c_j, most_c_tau]), m0([c_j, c_tau])];
-    (constants.m0, constants.m0_range) = (m0([normal.value, tangential.value]), range);
+    let range = [m0([most_c_nu, most_c_tau]), m0([c_nu, c_tau])];
+    (constants.m0, constants.m0_range) = (m0([falling.value, tangential.value]), range);
     constants
 }
 
 fn alpha_nu(setup: &Setup) -> f64 {
-    setup.body.law().map_or(0.0, crate::Law::alpha)
+    setup.body.laws().map(crate::Law::alpha).fold(0.0, f64::max)
+}
+
+/// α_i/α_ν on the contact sides whose laws fall; none where these are all contact sides with one α, or there are none.
+///
+/// ∂j_ν on Γ_i satisfies (2.8c) with α_i, so two states lose at most Σ α_i ‖v_ν‖² over the Γ_i = α_ν Σ (α_i/α_ν) ‖v_ν‖² ≤ α_ν
+/// c_ν² ‖ε(v)‖²: (2.9) for all sides together, and never more than α_ν c_j², or than Σ α_i c_i² with the constants c_i² of
+/// single sides.
+pub fn falling_sides(setup: &Setup) -> Vec<(Side, f64)> {
+    let most = alpha_nu(setup);
+    let of = |contact: &crate::Contact| contact.law.as_ref().map_or(0.0, crate::Law::alpha);
+    let all = setup.body.contact.iter();
+    let all: Vec<(Side, f64)> =
+        all.flat_map(|c| c.sides.iter().map(move |&side| (side, of(c) / most))).collect();
+    match most > 0.0 && all.iter().any(|(_, weight)| *weight != 1.0) {
+        true => all.into_iter().filter(|(_, weight)| *weight > 0.0).collect(),
+        false => Vec::new(),
+    }
+}
+
+/// The domain with those contact sides alone whose laws fall, where they do by one α; with all where all or none fall; with
+/// none where they differ.
+fn under_falling_laws(setup: &Setup) -> crate::Domain {
+    let (sides, mut domain) = (falling_sides(setup), setup.body.domain.clone());
+    if !sides.is_empty() {
+        let alike = sides.iter().all(|(_, weight)| *weight == 1.0);
+        domain.contact = sides.iter().filter(|_| alike).map(|(side, _)| *side).collect();
+    }
+    domain
+}
+
+/// c̄0 and c1 of (2.8b), |ξ| ≤ c̄0 + c1 |r|, that hold for every law on Γ3, with the largest factors.
+pub fn growth(setup: &Setup) -> [f64; 2] {
+    let mut largest = [0.0f64; 2];
+    for (contact, boundary) in setup.body.contact.iter().zip(&setup.model.boundary) {
+        let factor = contact.law.as_ref().and_then(|law| law.scale);
+        let factor = factor.map_or(1.0, |scale| scale.largest);
+        let (c0, c1) = boundary.potential.growth();
+        largest = [largest[0].max(factor * c0), largest[1].max(factor * c1)];
+    }
+    largest
 }
 
 fn coulomb(setup: &Setup) -> Option<Coulomb> {
-    let coefficient = setup.body.friction()?.bound.coefficient();
-    let rise = setup.body.law()?.steepest_rise();
+    let contact = setup.body.contact.iter().find(|contact| contact.friction.is_some())?;
+    let coefficient = contact.friction.as_ref()?.bound.coefficient();
+    let rise = contact.law.as_ref()?.steepest_rise();
     (coefficient > 0.0).then_some(Coulomb { coefficient, rise })
 }
 
@@ -357,8 +419,13 @@ pub fn decomposition_bound(
     n: u32,
     steps: u32,
 ) -> Result<f64> {
-    let constants = with_needed(setup, |part| {
-        trace_constants(space, &TensorField::identity(), [(part, TraceMass::Lumped)])
+    let constants = with_needed(setup, |part, weights| {
+        let weight = |side: u32| match weights {
+            [] => 1.0,
+            _ => weights.iter().find(|(of, _)| of.0 == side).map_or(0.0, |(_, weight)| *weight),
+        };
+        let square = [(part, TraceMass::Lumped)];
+        weighted_trace_constants(space, &TensorField::identity(), square, &weight)
             .map(|[found]| TraceConstant::exactly(found.value))
             .map_err(|source| SetupError::Constant { n, source })
     })?;

@@ -19,7 +19,7 @@ pub use abstract_setup::{AbstractConstants, AbstractLoad, AbstractRun, AbstractS
 pub use admissible::admissible;
 pub use constants::{
     Constants, Coulomb, MemoryNorms, RegionSlot, Smallness, abstract_decomposition_bound,
-    constants, decomposition_bound, step_bounds, with_trace_constants,
+    constants, decomposition_bound, falling_sides, growth, step_bounds, with_trace_constants,
 };
 pub(crate) use formulas::KernelFormula;
 pub use formulas::YieldFormula;
@@ -29,14 +29,15 @@ pub use material::{cell_regions, elasticity, memory_tensor};
 pub use mesh_data::{MeshData, RuleCheck, TruthLoad, reference_run, side_numbers};
 pub use regularity::{abstract_regularity, sides};
 pub use subject::{NewtonMarch, Scheme, StepRemark, Subject, check_step_sizes, subject_bounds};
-pub use trace_constant::{TraceConstant, trace_cells, trace_constant};
+pub use trace_constant::{TraceConstant, trace_cells, trace_constant, weighted_trace_constant};
 pub use yield_slope::{YieldSlope, ZetaFrom};
 
-use crate::{Body, ContactScene, Data, Scene, SceneError, Shape};
+use crate::{Body, Contact, ContactScene, Data, Scene, SceneError, Shape, Side};
 use algebra::linalg::EigenError;
 use exact::{ComplianceRule, ContactFormulas, Exact, ExactData, FrictionFormulas, Polytope};
 use fem::contact::{Boundary, BoundaryRule, CaseError, Discretization, MemoryTerm, Model};
 use fem::space::Element;
+use formula::Node;
 use vhi::finite::FiniteError;
 use vhi::history::{FastConvolution, TimeGrid};
 use vhi::law::{AnyProjection, Summed, VonMises};
@@ -186,7 +187,7 @@ impl Setup {
 
     /// Quadrature of the compliance term; irrelevant without contact.
     pub fn rule(&self) -> BoundaryRule {
-        self.model.boundary.as_ref().map_or(BoundaryRule::Vertex, |boundary| boundary.rule)
+        self.model.boundary.first().map_or(BoundaryRule::Vertex, |boundary| boundary.rule)
     }
 
     /// The boundary rule for the manufactured side.
@@ -213,22 +214,24 @@ fn projection(scene: &Scene, body: &ContactScene) -> Option<VonMises<YieldFormul
 fn model(scene: &Scene, body: &ContactScene) -> Model {
     let material = &body.material;
     let formulas = Arc::new(scene.formulas.clone());
-    let scale = body.law().and_then(|law| law.scale);
-    let contact = body.contact.as_ref();
-    let contact = contact.filter(|contact| contact.gap.is_some() || contact.law.is_some());
-    let boundary = contact.map(|contact| Boundary {
-        potential: potential(contact.law.as_ref()),
-        scale: scale.map(|scale| on_contact(&formulas, Some(scale.formula), 1.0)),
-        gap: on_contact_in_time(&formulas, contact.gap, f64::INFINITY),
-        shift: on_contact(&formulas, contact.shift, 0.0),
-        rule: contact.quadrature,
-    });
+    let boundary = |contact: &Contact| {
+        let scale = contact.law.as_ref().and_then(|law| law.scale);
+        Boundary {
+            sides: side_numbers(&contact.sides),
+            potential: potential(contact.law.as_ref()),
+            scale: scale.map(|scale| on_contact(&formulas, Some(scale.formula), 1.0)),
+            gap: on_contact_in_time(&formulas, contact.gap, f64::INFINITY),
+            shift: on_contact(&formulas, contact.shift, 0.0),
+            rule: contact.quadrature,
+        }
+    };
+    let touches = body.has_gap() || body.laws().next().is_some();
     Model {
         friction: body.friction().map(|written| laws::friction(written, &formulas)),
         elasticity: elasticity(material),
         memory: material::memory_terms(material, &formulas),
         projection: projection(scene, body).map(AnyProjection::new),
-        boundary,
+        boundary: body.contact.iter().filter(|_| touches).map(boundary).collect(),
         time_rule: scene.time.rule.weights(),
     }
 }
@@ -236,19 +239,25 @@ fn model(scene: &Scene, body: &ContactScene) -> Model {
 fn exact(scene: &Scene, body: &ContactScene) -> Option<Exact> {
     let Data::Exact { u, multiplier, selection, friction, .. } = &body.data else { return None };
     let material = &body.material;
-    let contact = body.contact.as_ref().map(|contact| ContactFormulas {
+    let stated = |by_side: &[(Side, Node)], side: Side| {
+        by_side.iter().find(|(known, _)| *known == side).map(|(_, node)| *node)
+    };
+    let on_side = |contact: &Contact, side: Side| ContactFormulas {
+        side: side.0,
         bilateral: body.domain.bilateral,
         gap: contact.gap,
         shift: contact.shift,
         law: contact.law.as_ref().map(crate::Law::numbers),
         scale: contact.law.as_ref().and_then(|law| law.scale).map(|scale| scale.formula),
-        multiplier: *multiplier,
-        selection: *selection,
+        multiplier: stated(multiplier, side),
+        selection: stated(selection, side),
         friction: contact.friction.as_ref().map(|written| FrictionFormulas {
             bound: written.bound.clone(),
             multiplier: friction.clone(),
         }),
-    });
+    };
+    let sides = body.contact.iter().flat_map(|of| of.sides.iter().map(move |&side| (of, side)));
+    let contact = sides.map(|(of, side)| on_side(of, side)).collect();
     let projection = material.projection.as_ref().filter(|projection| projection.mu > 0.0);
     let mut graph = scene.formulas.clone();
     let (numbers, regions) = material::numbers(material, &body.domain.shape, &mut graph);

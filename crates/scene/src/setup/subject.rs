@@ -165,7 +165,7 @@ pub fn check_step_sizes(subject: &Subject, steps: &[u32]) -> Result<Option<StepR
 
 fn unknown(constants: &Constants) -> String {
     let [low, high] = constants.m0_range.map(|value| digits(value, 7));
-    let [least, most] = constants.c_j_range.map(|value| digits(value, 7));
+    let [least, most] = constants.c_nu_range.map(|value| digits(value, 7));
     format!(
         "it is not known whether (2.9) holds: m0 lies between {low} and {high}, because c_j^2 is only known to lie between {least} and {most}, so no bound on the step size follows"
     )

@@ -9,8 +9,8 @@ use std::f64::consts::{PI, SQRT_2};
 use std::sync::{Arc, Mutex, PoisonError};
 
 use super::{Result, SetupError, side_numbers};
-use crate::{Domain, Shape};
-use fem::contact::{Discretization, TraceMass, TracePart, trace_constants};
+use crate::{Domain, Shape, Side};
+use fem::contact::{Discretization, TraceMass, TracePart, weighted_trace_constants};
 use fem::mesh::{BoundaryFacet, CoarseMesh, Family, lattice};
 use fem::space::Element;
 use vhi::law::TensorField;
@@ -112,6 +112,8 @@ struct Asked {
     /// With the sides of bilateral contact.
     symmetry: Vec<u32>,
     contact: Vec<u32>,
+    /// Factors of the squares on the contact sides; empty means one.
+    weights: Vec<f64>,
     tensor: TensorField,
     part: TracePart,
 }
@@ -132,15 +134,35 @@ pub fn trace_constant(
     tensor: &TensorField,
     part: TracePart,
 ) -> Result<TraceConstant> {
+    weighted_trace_constant(domain, tensor, part, &[])
+}
+
+/// The same of Σ c_i ‖v_ν‖² over the given contact sides, c_i > 0; of all of them, c_i = 1, if none is given.
+///
+/// # Errors
+/// As [`trace_constant`].
+pub fn weighted_trace_constant(
+    domain: &Domain,
+    tensor: &TensorField,
+    part: TracePart,
+    weights: &[(Side, f64)],
+) -> Result<TraceConstant> {
     if domain.bilateral && part == TracePart::Normal {
         return Ok(TraceConstant::ZERO);
     }
+    let mut domain = domain.clone();
+    if !weights.is_empty() {
+        domain.contact = weights.iter().map(|(side, _)| *side).collect();
+    }
+    let alike = weights.iter().all(|(_, weight)| *weight == 1.0);
+    let weights = if alike { &[] } else { weights };
     let asked = Asked {
         shape: domain.shape.clone(),
         size: domain.size.clone(),
         clamped: side_numbers(&domain.clamped),
         symmetry: side_numbers(&domain.held()),
         contact: side_numbers(&domain.contact),
+        weights: weights.iter().map(|(_, weight)| *weight).collect(),
         tensor: tensor.clone(),
         part,
     };
@@ -163,7 +185,7 @@ pub fn trace_constant(
         Some(found) => Ok(found.clone()),
         None => {
             // Proved of c_j² alone.
-            let is_c_j = part == TracePart::Normal && *tensor == TensorField::identity();
+            let is_c_j = alike && part == TracePart::Normal && *tensor == TensorField::identity();
             let bound = domain.depth_under_contact().filter(|_| is_c_j);
             Ok(answer.insert(TraceConstant::new(asked.values(bound)?, bound)).clone())
         }
@@ -188,7 +210,11 @@ impl Asked {
             let sides = [&self.clamped[..], &self.symmetry, &self.contact];
             let space = Discretization::with_symmetry(element, mesh, sides);
             let square = [(self.part, TraceMass::Consistent)];
-            let [found] = trace_constants(&space, &self.tensor, square)
+            let weight = |side: u32| {
+                let at = self.contact.iter().position(|known| *known == side);
+                at.and_then(|at| self.weights.get(at)).copied().unwrap_or(1.0)
+            };
+            let [found] = weighted_trace_constants(&space, &self.tensor, square, &weight)
                 .map_err(|source| SetupError::Constant { n, source })?;
             values.push((cells, unit * found.value));
             if bound.is_some_and(|bound| attains(unit * found.value, bound)) {

@@ -142,9 +142,10 @@ fn a_priori(setup: &Setup) -> Result<f64> {
 
 /// ‖ξ_0‖ on Γ3 with the least ξ_0 ∈ ∂j_ν(-s) at the vertices; None if 0 ∉ U at some time.
 fn pressure_at_rest(setup: &Setup, data: &MeshData) -> Option<f64> {
-    let Some(boundary) = &setup.model.boundary else { return Some(0.0) };
     let (mut largest, horizon) = (0.0f64, setup.scene.time.horizon);
     for point in &data.space.trace.points {
+        let boundary = setup.model.boundary_on(point.side);
+        let Some(boundary) = boundary else { continue };
         let x = data.space.mesh.point(&[point.vertex], &[1.0]);
         let opens = |n| (boundary.gap)(x, horizon * f64::from(n) / f64::from(TIMES)) >= 0.0;
         if !(0..=TIMES).all(opens) {

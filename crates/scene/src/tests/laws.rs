@@ -13,7 +13,7 @@ fn with_law(law: &str) -> String {
 fn accepted(text: &str) -> Law {
     let scene = Scene::from_source(Source::from_text("block.toml", text.to_string()));
     let scene = scene.unwrap_or_else(|error| panic!("{error}"));
-    scene.as_contact().unwrap().contact.clone().unwrap().law.unwrap()
+    scene.as_contact().unwrap().contact[0].clone().law.unwrap()
 }
 
 #[track_caller]

@@ -267,3 +267,21 @@ fn contact_and_its_sides_come_together() {
     assert!(shown.contains("`trace_L2_max` is measured on Γ3"), "{shown}");
     assert!(Scene::from_source(Source::from_text("block.toml", none)).is_ok());
 }
+
+#[test]
+#[rustfmt::skip]
+fn contact_sides_with_laws_of_their_own() {
+    let two = LOADED.replace("[\"left\", \"right\"]", "[\"right\"]").replace("[\"bottom\"]", "[\"bottom\", \"left\"]")
+        .replace("traction = { left = [\"0\", \"t\"] }\n", "")
+        .replace("[contact]\n", "[[contact]]\nsides = [\"left\"]\nlaw = { kind = \"none\" }\n[[contact]]\nsides = [\"bottom\"]\n");
+    check(&two, &[
+        case("sides = [\"left\"]\n", "", 26, 1, "lacks the key `sides`"),
+        case("sides = [\"left\"]\n", "sides = [\"left\", \"bottom\"]\n", 30, 10, "the contact side `bottom` has two tables"),
+        case("sides = [\"left\"]\n", "sides = [\"right\"]\n", 27, 10, "`right` is not a contact side"),
+        case("sides = [\"left\"]\n", "sides = [\"lef\"]\n", 27, 10, "did you mean `left`?"),
+        case("sides = [\"left\"]\n", "sides = []\n", 27, 9, "an empty list of sides"),
+        case("quadrature = \"vertex\"", "quadrature = \"gauss\"", 33, 14, "contact sides with different quadratures"),
+        case("quadrature = \"vertex\"", "friction = { bound = \"0.1\" }", 33, 12, "friction beside other contact sides"),
+    ]);
+    check(&two, &[case("[[contact]]\nsides = [\"left\"]\nlaw = { kind = \"none\" }\n", "", 26, 1, "the contact side `left` is in no table [[contact]]")]);
+}

@@ -25,7 +25,12 @@ impl Pure {
         let [yx, yy] = [Variable::X, Variable::Y].map(|v| graph.derivative(u[1], v));
         let (sum, half) = (graph.add(xy, yx), graph.constant(0.5));
         let shear = graph.mul(half, sum);
-        Pure { scene, u, strain: [xx, yy, shear], multiplier }
+        Pure {
+            scene,
+            u,
+            strain: [xx, yy, shear],
+            multiplier: multiplier.first().map(|(_, node)| *node),
+        }
     }
 
     fn at(&self, node: Node, x: f64, y: f64, t: f64) -> f64 {
@@ -60,7 +65,7 @@ impl Pure {
             .as_contact()
             .unwrap()
             .contact
-            .as_ref()
+            .first()
             .and_then(|contact| contact.law.as_ref())
         {
             None => 0.0,

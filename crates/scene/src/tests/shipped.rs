@@ -65,7 +65,7 @@ fn the_punch_is_the_common_benchmark() {
     assert_eq!(memory.exponentials, Some(vec![(-1.0, 1.0)]));
     let projection = scene.as_contact().unwrap().material.projection.clone().unwrap();
     assert!((projection.lipschitz - 0.05).abs() < 1e-15);
-    let contact = scene.as_contact().unwrap().contact.clone().unwrap();
+    let contact = scene.as_contact().unwrap().contact[0].clone();
     assert_eq!(contact.gap.and_then(|gap| scene.formulas.value_of_constant(gap)), Some(0.10));
     assert!((contact.law.unwrap().alpha() - 0.5).abs() < 1e-12);
     let reference = scene.sweep.clone().unwrap().reference.unwrap();
@@ -78,15 +78,15 @@ fn the_punch_is_the_common_benchmark() {
 #[test]
 fn absent_terms_are_absent() {
     let linear = shipped("linear-punch");
-    let contact = linear.as_contact().unwrap().contact.clone().unwrap();
+    let contact = linear.as_contact().unwrap().contact[0].clone();
     assert!(
         contact.gap.is_none()
             && contact.law.is_none()
             && linear.as_contact().unwrap().material.projection.is_none()
     );
-    assert!(shipped("viscoelastic").as_contact().unwrap().contact.is_none());
+    assert!(shipped("viscoelastic").as_contact().unwrap().contact.is_empty());
     assert!(shipped("steady").as_contact().unwrap().material.memory.is_empty());
-    assert!(shipped("signorini").as_contact().unwrap().contact.clone().unwrap().law.is_none());
+    assert!(shipped("signorini").as_contact().unwrap().contact[0].clone().law.is_none());
 }
 
 #[test]

@@ -201,13 +201,12 @@ impl SceneTerms {
 
     pub(crate) fn of(body: &ContactScene) -> Self {
         let projection = body.material.projection.as_ref().filter(|p| p.mu > 0.0);
-        let contact = body.contact.as_ref();
         Self([
             projection.is_some(),
             projection.is_some_and(|projection| projection.lipschitz > 0.0),
             !body.material.memory.is_empty(),
-            contact.is_some_and(|contact| contact.law.is_some()),
-            contact.is_some_and(|contact| contact.gap.is_some()),
+            body.laws().next().is_some(),
+            body.has_gap(),
         ])
     }
 
@@ -378,13 +377,13 @@ pub(super) fn with_terms(mut scene: Scene, kept: SceneTerms) -> Scene {
         if let Some(projection) = projection.filter(|_| !kept.has(Suspect::Accumulation)) {
             *projection = frozen(graph, projection);
         }
-        if let Some(contact) = &mut body.contact {
+        for contact in &mut body.contact {
             contact.law = contact.law.take().filter(|_| kept.has(Suspect::Compliance));
             contact.gap = contact.gap.filter(|_| kept.has(Suspect::Gap));
         }
         if let Data::Exact { multiplier, selection, .. } = &mut body.data {
-            *multiplier = multiplier.filter(|_| kept.has(Suspect::Gap));
-            *selection = selection.filter(|_| kept.has(Suspect::Compliance));
+            multiplier.retain(|_| kept.has(Suspect::Gap));
+            selection.retain(|_| kept.has(Suspect::Compliance));
         }
     })
 }
@@ -420,8 +419,10 @@ pub(super) fn on_course(scene: Scene, course: Course) -> Scene {
             *component = graph.mul(factor, profile);
         }
         let constant = course == Course::Constant;
-        *multiplier = multiplier.filter(|_| constant).map(|node| graph.instant(node, at));
-        *selection = selection.filter(|_| constant).map(|node| graph.instant(node, at));
+        for stated in [multiplier, selection] {
+            stated.retain(|_| constant);
+            stated.iter_mut().for_each(|(_, node)| *node = graph.instant(*node, at));
+        }
     })
 }
 

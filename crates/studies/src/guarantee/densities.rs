@@ -2,7 +2,7 @@
 //! manufactured solution adds to the contact pressure.
 
 use super::equilibrium::{Edges, Equilibrium, Given, Linear};
-use fem::contact::{Boundary, CaseError, Discretization, StepView};
+use fem::contact::{CaseError, Discretization, Model, StepView};
 use fem::space::quadrature::{Rule, edge, gauss_legendre, triangle_degree_8};
 use formula::{BoundProgram, Graph, Node, Program};
 use scene::Data;
@@ -104,7 +104,7 @@ impl Densities {
         let points: Vec<[f64; 3]> =
             cells.flat_map(|cell| inside.points.iter().map(|b| mesh.point(cell, b))).collect();
         let mut sides = Vec::new();
-        let mut add = |numbers: &[u32], program: &dyn Fn(&[f64]) -> Program| {
+        let mut add = |numbers: &[u32], program: &dyn Fn(u32, &[f64]) -> Program| {
             let facets: Vec<u32> = mesh.facets_on(numbers).map(|f| f as u32).collect();
             for part in mesh.plane_parts(&facets) {
                 let normal = [part.normal[0], part.normal[1]];
@@ -114,7 +114,7 @@ impl Densities {
                 let places = on_part
                     .iter()
                     .flat_map(|(_, ends)| outside.points.iter().map(|b| mesh.point(ends, b)));
-                let traction = program(&normal).bind(&places.collect::<Vec<_>>());
+                let traction = program(part.side, &normal).bind(&places.collect::<Vec<_>>());
                 sides.push(Side { edges: on_part, traction });
             }
         };
@@ -125,7 +125,7 @@ impl Densities {
             (Data::Loads { body, traction }, _) => {
                 let graph = &setup.scene.formulas;
                 for (side, formulas) in traction {
-                    add(&[side.0], &|_| compile(graph.clone(), formulas));
+                    add(&[side.0], &|_, _| compile(graph.clone(), formulas));
                 }
                 compile(graph.clone(), body).bind(&points)
             }
@@ -135,13 +135,13 @@ impl Densities {
                 ));
             }
             (Data::Exact { .. }, Some(exact)) => {
-                add(&side_numbers(&domain.traction), &|normal| {
+                add(&side_numbers(&domain.traction), &|_, normal| {
                     let mut graph = exact.data.graph.clone();
                     let traction = traction(&mut graph, &exact.stress, normal, None);
                     compile(graph, &traction)
                 });
-                add(&side_numbers(&domain.contact), &|normal| {
-                    let formulas = exact.boundary(normal);
+                add(&side_numbers(&domain.contact), &|side, normal| {
+                    let formulas = exact.boundary(side, normal);
                     let mut graph = formulas.graph;
                     let pressure = graph.add(formulas.xi, formulas.lambda);
                     let traction = traction(&mut graph, &exact.stress, normal, Some(pressure));
@@ -259,20 +259,15 @@ const PIECES: usize = 8;
 const ROUNDING: f64 = 1e-12;
 
 /// ξ + λ at the points of the trace; at a clamped one the pressure of the graph that is nearest to its neighbour's.
-pub(super) fn pressures(
-    space: &Discretization,
-    boundary: &Boundary,
-    view: &StepView<'_>,
-) -> Vec<f64> {
+pub(super) fn pressures(space: &Discretization, model: &Model, view: &StepView<'_>) -> Vec<f64> {
     let trace = &space.trace;
     let mut pressure: Vec<f64> =
         view.compliance.iter().zip(view.multiplier).map(|(xi, lambda)| xi + lambda).collect();
     for f in 0..trace.measure.len() {
         let ends = [0, 1].map(|end| trace.facet(f)[end] as usize);
         for (end, other) in [(ends[0], ends[1]), (ends[1], ends[0])] {
-            if !trace.points[end].clamped {
-                continue;
-            }
+            let boundary = model.boundary_on(space.side(f)).filter(|_| trace.points[end].clamped);
+            let Some(boundary) = boundary else { continue };
             let x = space.mesh.point(&[trace.points[end].vertex], &[1.0]);
             let (lo, hi) = boundary.potential_at(x).subdifferential(-(boundary.shift)(x));
             let hi = if (boundary.gap)(x, view.t) > 0.0 { hi } else { f64::INFINITY };
@@ -321,7 +316,7 @@ pub(super) fn add_pressures(
 /// G of the level, and of pressures p at the ends of the edges; infinite where u_ν > g or the law never has the pressure p.
 pub(super) fn duality_gap(
     space: &Discretization,
-    boundary: &Boundary,
+    model: &Model,
     view: &StepView<'_>,
     pressure: &[[f64; 2]],
 ) -> f64 {
@@ -329,6 +324,7 @@ pub(super) fn duality_gap(
     let trace = &space.trace;
     let mut sum = 0.0;
     for f in 0..trace.measure.len() {
+        let Some(boundary) = model.boundary_on(space.side(f)) else { continue };
         let ends = [trace.facet(f)[0] as usize, trace.facet(f)[1] as usize];
         let vertices = ends.map(|i| trace.points[i].vertex);
         let normal: Vec<f64> =

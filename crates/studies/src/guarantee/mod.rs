@@ -134,7 +134,7 @@ pub(crate) fn bytes(setup: &Setup, space: &Discretization) -> f64 {
 fn covered(setup: &Setup) -> Result<(), GuaranteeError> {
     let scene = &setup.scene;
     let model = &setup.model;
-    let falls = model.boundary.as_ref().is_some_and(|b| b.potential.alpha() > 0.0);
+    let falls = model.boundary.iter().any(|b| b.potential.alpha() > 0.0);
     let beyond = [
         (scene.dimension != 2, "it is made for bodies in the plane"),
         (
@@ -225,10 +225,10 @@ impl<'a> Bounding<'a> {
         let edges = &self.equilibrium.edges;
         let mut loads = self.densities.at(space, edges, view.t)?;
         let mut gap = 0.0;
-        if let Some(boundary) = &model.boundary {
-            let pressure = densities::pressures(space, boundary, view);
+        if !model.boundary.is_empty() {
+            let pressure = densities::pressures(space, model, view);
             let pressure = densities::along_edges(space, &pressure);
-            gap = densities::duality_gap(space, boundary, view, &pressure);
+            gap = densities::duality_gap(space, model, view, &pressure);
             densities::add_pressures(space, edges, &pressure, &mut loads.given.tractions);
         }
         let stresses = self.equilibrium.nearest(&start, &loads.given);

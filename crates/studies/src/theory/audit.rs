@@ -26,7 +26,7 @@ use judge::claim::{Claim, Place, Standing, Statement};
 use rayon::prelude::*;
 use report::{Chapter, Findings, digits};
 use run::sweep::{Runs, admit_constants, run_cost};
-use scene::setup::{MeshData, Setup, SetupError, constants};
+use scene::setup::{MeshData, Setup, SetupError, constants, growth};
 use scene::{Extension, Face, Scene, TimeRule};
 use serde::{Serialize, Serializer};
 use serde_json::json;
@@ -83,7 +83,9 @@ pub struct AuditConstants {
     pub alpha_j: f64,
     /// c_j², bounding ‖v_ν‖² by c_j²‖v‖_V² (a length).
     pub c_j_squared: f64,
-    /// Whether that is proved; otherwise it is extrapolated from meshes, and no bound.
+    /// c_ν² of (2.9) with laws of several sides, c_j² where there is one (a length).
+    pub c_nu_squared: f64,
+    /// Whether c_j² is proved; otherwise it is extrapolated from meshes, and no bound.
     #[serde(rename = "c_j_source", serialize_with = "source")]
     pub c_j_proved: bool,
     /// c0 of (4.16): c̄0 √|Γ3|.
@@ -109,11 +111,7 @@ impl AuditConstants {
     /// As [`constants`].
     pub fn new(setup: &Setup) -> Result<Self, SetupError> {
         let known = constants(setup)?;
-        let contact = setup.body.contact.as_ref();
-        let factor = contact.and_then(|contact| contact.law.as_ref()?.scale);
-        let factor = factor.map_or(1.0, |scale| scale.largest);
-        let law = setup.model.boundary.as_ref().map(|boundary| boundary.potential.growth());
-        let (c0, c1) = law.unwrap_or_default();
+        let [c0, c1] = growth(setup);
         Ok(Self {
             m_a: known.m_a,
             l_a: known.l_a,
@@ -121,16 +119,17 @@ impl AuditConstants {
             beta_phi: known.beta_phi,
             alpha_j: known.alpha_nu,
             c_j_squared: known.c_j_squared_bound.unwrap_or(known.c_j_squared),
+            c_nu_squared: known.c_nu_squared_bound.unwrap_or(known.c_nu_squared),
             c_j_proved: known.c_j_squared_bound.is_some(),
-            c0: factor * c0 * contact_length(setup).sqrt(),
-            c1: factor * c1,
+            c0: c0 * contact_length(setup).sqrt(),
+            c1,
             history: 1.0 + known.memory.operator,
         })
     }
 
     /// m0 of (2.9).
     pub fn m0(&self) -> f64 {
-        monotonicity(self.m_a, self.alpha_phi + self.alpha_j * self.c_j_squared)
+        monotonicity(self.m_a, self.alpha_phi + self.alpha_j * self.c_nu_squared)
     }
 }
 
@@ -265,6 +264,7 @@ struct OnContact {
 /// u, u^{kh}, v^h and ξ + λ at a point of Γ3.
 struct Sample {
     weight: f64,
+    side: u32,
     x: [f64; 3],
     u: f64,
     u_h: f64,
@@ -472,8 +472,12 @@ impl<'a> Auditor<'a> {
 
     fn on_contact(&self, shown: &StepView<'_>, v: &[f64]) -> Result<OnContact, LoadError> {
         let mut sums = OnContact::default();
-        let Some(boundary) = &self.setup.model.boundary else { return Ok(sums) };
-        for Sample { weight, x, u, u_h, v, pressure } in self.samples(shown, v)? {
+        let model = &self.setup.model;
+        if model.boundary.is_empty() {
+            return Ok(sums);
+        }
+        for Sample { weight, side, x, u, u_h, v, pressure } in self.samples(shown, v)? {
+            let Some(boundary) = model.boundary_on(side) else { continue };
             let (potential, s) = (boundary.potential_at(x), (boundary.shift)(x));
             let j = |at: f64, w: f64| directional(&potential, at, s, w);
             sums.delta += weight * (u - v).powi(2);
@@ -499,6 +503,7 @@ impl<'a> Auditor<'a> {
             let pressures = truth.pressures(t);
             let sample = |(i, pressure): (usize, f64)| Sample {
                 weight: trace.points[i].weight,
+                side: trace.points[i].side,
                 x: mesh.point(&[trace.points[i].vertex], &[1.0]),
                 u: trace.normal(i, v),
                 u_h: trace.normal(i, shown.u),
@@ -522,6 +527,7 @@ impl<'a> Auditor<'a> {
                 let at = samples.len();
                 samples.push(Sample {
                     weight: measure * rule.weights[q],
+                    side: space.side(f),
                     x: mesh.point(corners, b),
                     u: exact.normal[at],
                     u_h: value(shown.u),
@@ -538,13 +544,15 @@ impl<'a> Auditor<'a> {
     fn balance(&self, shown: &StepView<'_>, v: &[f64], load: &[f64]) -> f64 {
         let (space, model) = (&*self.data.space, &self.setup.model);
         let (mut compliance, free) = (shown.compliance.to_vec(), vec![0.0; shown.multiplier.len()]);
-        if let Some(boundary) = model.boundary.as_ref().filter(|b| b.rule == BoundaryRule::Vertex) {
-            for (i, point) in space.trace.points.iter().enumerate() {
-                let x = space.mesh.point(&[point.vertex], &[1.0]);
-                let [u_h, v] = [shown.u, v].map(|nodal| space.trace.normal(i, nodal));
-                let (s, sign) = ((boundary.shift)(x), if v < u_h { -1.0 } else { 1.0 });
-                compliance[i] = sign * directional(&boundary.potential_at(x), u_h, s, sign);
-            }
+        for (i, point) in space.trace.points.iter().enumerate() {
+            let boundary = model.boundary_on(point.side);
+            let Some(boundary) = boundary.filter(|b| b.rule == BoundaryRule::Vertex) else {
+                continue;
+            };
+            let x = space.mesh.point(&[point.vertex], &[1.0]);
+            let [u_h, v] = [shown.u, v].map(|nodal| space.trace.normal(i, nodal));
+            let (s, sign) = ((boundary.shift)(x), if v < u_h { -1.0 } else { 1.0 });
+            compliance[i] = sign * directional(&boundary.potential_at(x), u_h, s, sign);
         }
         let view = StepView { compliance: &compliance, multiplier: &free, ..*shown };
         let balance = out_of_balance(space, model, &view, load);
@@ -692,7 +700,7 @@ fn found(setup: &Setup, constants: &AuditConstants, mut claims: Vec<Claim>) -> F
             claim.note = format!("m0 = {} is not positive, (2.9) is violated", digits(m0, 5));
         }
     }
-    let unconstrained = setup.body.contact.as_ref().is_none_or(|contact| contact.gap.is_none());
+    let unconstrained = !setup.body.has_gap();
     let theorem = if unconstrained { "Theorems 10 and 11 (K = X)" } else { "Theorem 10" };
     // The rule's word in scene files.
     let rule = match setup.rule() {

@@ -101,7 +101,7 @@ pub fn corners(body: &ContactScene) -> Vec<Corner> {
         return Vec::new();
     }
     let lame_ratio = lambda / mu;
-    let gap = body.contact.as_ref().is_some_and(|contact| contact.gap.is_some());
+    let gap = body.has_gap();
     let faces = |side| domain.faces(side).into_iter().map(move |face| (side, face));
     let ends: Vec<End> = domain
         .all_sides()

@@ -248,14 +248,15 @@ pub(super) fn changes(setup: &Setup) -> Vec<Change> {
         }));
     }
     // A jump has no value at a point that is held there; edges are cut in the plane alone.
-    let law = setup.body.law().filter(|law| !law.is_set_valued());
+    let laws = || setup.body.laws();
+    let free = laws().next().is_some() && laws().all(|law| !law.is_set_valued());
     for (words, rule) in [
         ("contact by vertices", ContactQuadrature::Vertex),
         ("contact by Gauss points", ContactQuadrature::Gauss),
         ("contact exact", ContactQuadrature::Exact),
     ] {
         let cut = rule == ContactQuadrature::Exact && setup.scene.dimension > 2;
-        if law.is_some() && rule != setup.rule() && rule.serves(setup.body.element) && !cut {
+        if free && rule != setup.rule() && rule.serves(setup.body.element) && !cut {
             found.push(of_body(words, move |body| {
                 body.contact.iter_mut().for_each(|contact| contact.quadrature = rule);
             }));

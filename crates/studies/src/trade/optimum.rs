@@ -116,7 +116,7 @@ impl Wanted {
             return refused(format!("no norm `{norm}` here: choose one of {}", known.join(", ")));
         };
         let name = norm.name();
-        if norm.needs_contact() && setup.model.boundary.is_none() {
+        if norm.needs_contact() && setup.model.boundary.is_empty() {
             return refused(format!("`{name}` is a norm on Γ3, and the scene has none"));
         }
         let Some(text) = error else { return Ok(Self { norm, error: None, relative: false }) };

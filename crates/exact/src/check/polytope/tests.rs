@@ -32,7 +32,7 @@ fn exact(vertices: &[[f64; 2]], u: [&str; 2], yields: bool) -> Exact {
     let (clamped, contact) = (vec![count - 1], vec![0]);
     let polytope = Some(Polytope { coarse: coarse.into(), clamped, contact });
     let (regions, kernels) = (Vec::new(), Vec::new());
-    let (horizon, contact) = (1.0, Some(ContactFormulas::default()));
+    let (horizon, contact) = (1.0, vec![ContactFormulas::default()]);
     Exact::new(ExactData {
         graph,
         u,

@@ -18,7 +18,7 @@ fn exact(amplitude: &str, profile: &str) -> Exact {
         projection: None,
     };
     let (regions, kernels) = (Vec::new(), Vec::new());
-    let contact = Some(ContactFormulas::default());
+    let contact = vec![ContactFormulas { side: 2, ..ContactFormulas::default() }];
     let (horizon, size) = (0.7, vec![1.0, 1.0]);
     Exact::new(ExactData {
         graph,
@@ -90,7 +90,8 @@ fn both_directions_of_a_face_are_looked_at() {
         let u = u.map(|text| graph.parse(&text, &scope).expect("a formula")).to_vec();
         let (full, memory, projection) = (None, Vec::new(), None);
         let material = MaterialNumbers { lambda: 1.0, mu_l: 1.0, full, memory, projection };
-        let (contact, size) = (Some(ContactFormulas::default()), vec![1.0, 1.0, 0.5]);
+        let (contact, size) =
+            (vec![ContactFormulas { side: 2, ..ContactFormulas::default() }], vec![1.0, 1.0, 0.5]);
         let data = ExactData {
             graph,
             u,

@@ -31,7 +31,7 @@ const SHIFTS: [(&str, Shift); 3] = [
 
 fn boundary(potential: Arc<dyn Potential>, shift: Shift, rule: BoundaryRule) -> Boundary {
     let (gap, shift) = (Box::new(|_: [f64; 3], _: f64| f64::INFINITY), Box::new(shift));
-    Boundary { potential, scale: None, gap, shift, rule }
+    Boundary { sides: Vec::new(), potential, scale: None, gap, shift, rule }
 }
 
 /// A nodal vector with u_ν = 0.16 x - 0.01 + a wave, and 0 at the clamped vertex.

@@ -28,6 +28,7 @@ impl Load for Nothing {
 fn model(potential: Arc<dyn Potential>, rule: BoundaryRule) -> Model {
     let tensor = FourthOrder::Isotropic(Isotropic { lambda: 0.0, mu: 0.5 * YOUNG });
     let boundary = Boundary {
+        sides: Vec::new(),
         potential,
         scale: None,
         gap: Box::new(|_, _| f64::INFINITY),
@@ -38,7 +39,7 @@ fn model(potential: Arc<dyn Potential>, rule: BoundaryRule) -> Model {
         elasticity: TensorField::from(tensor),
         memory: Vec::new(),
         projection: None,
-        boundary: Some(boundary),
+        boundary: vec![boundary],
         friction: None,
         time_rule: Box::new(Trapezoid),
     }

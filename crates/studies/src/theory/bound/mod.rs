@@ -133,13 +133,20 @@ impl BoundStudy {
         let grid = (Some(n), steps);
         let mut study = Self::of(&setup.scene, grid, table, samples, limits, study, (known, m0));
         // The proved bound of c_j² against the eigenvalues of the mesh, in both masses, and of the meshes for the limit.
-        if let (Some(traces), Some(bound)) = (traces, constants.c_j_squared_bound) {
+        if let (Some(traces), Some(bound)) = (&traces, constants.c_j_squared_bound) {
             let on_mesh = traces.strain.values.map(|value| (format!("n = {n}"), value));
             let of_limit = traces.strain.limit.iter().flat_map(|limit| &limit.values);
             let of_limit = of_limit.map(|(cells, value)| (format!("{cells} cells"), *value));
             study.claims.extend(on_mesh.into_iter().chain(of_limit).map(|(at, value)| {
                 let says = ("c_j^2", "on a mesh <= its proved bound");
                 claim(at, says, [value, bound], EIGENVALUE * bound)
+            }));
+        }
+        let falling = traces.as_ref().and_then(|traces| traces.falling.as_ref());
+        if let (Some(falling), Some(bound)) = (falling, whole.c_nu_squared_bound) {
+            study.claims.extend(falling.values.map(|value| {
+                let says = ("c_nu^2", "on a mesh <= its proved bound");
+                claim(format!("n = {n}"), says, [value, bound], EIGENVALUE * bound)
             }));
         }
         study.unknown = (known == Smallness::Unknown).then_some(whole.m0_range);

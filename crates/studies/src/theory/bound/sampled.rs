@@ -4,12 +4,14 @@
 use super::Result;
 use Obtained::{Computed, Declared, Extrapolated, Proved};
 use algebra::linalg::{larger, signed_unit};
-use fem::contact::{Discretization, TraceMass, TracePart, trace_constants};
+use fem::contact::{Discretization, TraceMass, TracePart, weighted_trace_constants};
 use files::digits;
 use judge::claim::{Claim, Place, Statement};
 use scene::setup::{
-    AbstractConstants, Constants, Setup, TraceConstant, trace_constant, with_trace_constants,
+    AbstractConstants, Constants, Setup, TraceConstant, falling_sides, growth,
+    weighted_trace_constant, with_trace_constants,
 };
+use scene::{Contact, Law, Side};
 use serde::Serialize;
 use vhi::finite::FiniteModel;
 use vhi::law::{Potential, TensorField};
@@ -32,19 +34,34 @@ pub fn sampled(what: &'static str, declared: f64, needed: f64, samples: u32) -> 
 
 /// What a scene declares of its law, on samples.
 pub fn declared(setup: &Setup, constants: &Constants, space: &Discretization) -> Vec<Claim> {
-    let Some(boundary) = &setup.model.boundary else { return Vec::new() };
-    let mut rows = law(&*boundary.potential).to_vec();
-    if boundary.scale.is_some() {
-        // α_ν of the scene against the descents of the law at the vertices of Γ3.
-        let vertices = &space.trace.points;
-        let needed = vertices.iter().map(|point| {
-            let x = space.mesh.point(&[point.vertex], &[1.0]);
-            law(&boundary.potential_at(x))[1].left
-        });
-        let (needed, count) = (needed.fold(0.0, larger), vertices.len() as u32 * PAIRS);
-        rows.push(sampled("(2.8c): alpha_j with the factor", constants.alpha_nu, needed, count));
+    let mut rows = Vec::new();
+    for (contact, boundary) in setup.body.contact.iter().zip(&setup.model.boundary) {
+        let mut of_side = law(&*boundary.potential).to_vec();
+        if boundary.scale.is_some() {
+            // α_ν of the scene against the descents of the law at the vertices of its sides.
+            let vertices = || space.trace.points.iter().filter(|point| boundary.is_on(point.side));
+            let needed = vertices().map(|point| {
+                let x = space.mesh.point(&[point.vertex], &[1.0]);
+                law(&boundary.potential_at(x))[1].left
+            });
+            let (needed, count) = (needed.fold(0.0, larger), vertices().count() as u32 * PAIRS);
+            let of_law = contact.law.as_ref().map_or(0.0, Law::alpha);
+            let declared = of_law.min(constants.alpha_nu);
+            of_side.push(sampled("(2.8c): alpha_j with the factor", declared, needed, count));
+        }
+        if setup.model.boundary.len() > 1 {
+            let on = on_sides(setup, contact);
+            of_side.iter_mut().for_each(|row| row.place.at = format!("{} {on}", row.place.at));
+        }
+        rows.extend(of_side);
     }
     rows
+}
+
+/// The sides of a contact in words.
+fn on_sides(setup: &Setup, contact: &Contact) -> String {
+    let names: Vec<&str> = contact.sides.iter().map(|&side| setup.body.domain.name(side)).collect();
+    format!("on {}", names.join(", "))
 }
 
 /// (2.8b) and (2.8c) of a law, pointwise, which gives them on Γ3 by integration. The law is sampled
@@ -165,8 +182,10 @@ pub(super) struct TraceConstants {
     pub n: u32,
     /// sup ‖v_ν‖²/‖ε(v)‖².
     pub strain: OnMesh,
-    /// sup ‖v_ν‖²/(𝒜ε(v), ε(v)).
+    /// sup ‖v_ν‖²/(𝒜ε(v), ε(v)), with the same factors as `falling`.
     energy: OnMesh,
+    /// sup Σ (α_i/α_ν) ‖v_ν‖²/‖ε(v)‖² over the contact sides, where their α_i differ.
+    pub falling: Option<OnMesh>,
     /// sup ‖v_τ‖²/‖ε(v)‖², where there is friction.
     tangential: Option<OnMesh>,
 }
@@ -181,21 +200,31 @@ impl TraceConstants {
         if domain.contact.is_empty() {
             return Ok(None);
         }
-        let of = |tensor: &TensorField, part| -> Result<OnMesh> {
+        let weighted = |tensor: &TensorField, part, weights: &[(Side, f64)]| -> Result<OnMesh> {
             let squares = [TraceMass::Consistent, TraceMass::Lumped].map(|mass| (part, mass));
+            let weight = |side: u32| match weights {
+                [] => 1.0,
+                _ => weights.iter().find(|(of, _)| of.0 == side).map_or(0.0, |(_, weight)| *weight),
+            };
             let values = match domain.bilateral && part == TracePart::Normal {
                 true => [0.0; 2],
-                false => trace_constants(space, tensor, squares)?.map(|found| found.value),
+                false => weighted_trace_constants(space, tensor, squares, &weight)?
+                    .map(|found| found.value),
             };
-            let limit = tensor.is_uniform().then(|| trace_constant(domain, tensor, part));
+            let limit = || weighted_trace_constant(domain, tensor, part, weights);
+            let limit = tensor.is_uniform().then(limit);
             Ok(OnMesh { limit: limit.transpose()?, values })
         };
+        let of = |tensor: &TensorField, part| weighted(tensor, part, &[]);
         let strain = TensorField::identity();
         let tangential = setup.model.friction.as_ref().map(|_| of(&strain, TracePart::Tangential));
+        let sides = falling_sides(setup);
+        let falling = (!sides.is_empty()).then(|| weighted(&strain, TracePart::Normal, &sides));
         Ok(Some(Self {
             n: space.mesh.n,
             strain: of(&strain, TracePart::Normal)?,
-            energy: of(&setup.model.elasticity, TracePart::Normal)?,
+            energy: weighted(&setup.model.elasticity, TracePart::Normal, &sides)?,
+            falling: falling.transpose()?,
             tangential: tangential.transpose()?,
         }))
     }
@@ -208,7 +237,9 @@ impl TraceConstants {
             TraceConstant::exactly(of.values.into_iter().fold(most, f64::max))
         };
         let tangential = self.tangential.as_ref().map_or(TraceConstant::ZERO, largest);
-        with_trace_constants(setup, &largest(&self.strain), &tangential)
+        let normal = largest(&self.strain);
+        let falling = self.falling.as_ref().map_or_else(|| normal.clone(), largest);
+        with_trace_constants(setup, [&normal, &falling, &tangential])
     }
 
     fn add_to(&self, rows: &mut Rows, c: &Constants) {
@@ -218,7 +249,9 @@ impl TraceConstants {
             ("c_j^2", &self.strain, "sup |v_nu|^2/|eps(v)|^2"),
             ("energy constant", &self.energy, "sup |v_nu|^2/(A eps(v), eps(v))"),
         ];
-        for (symbol, of, meaning) in normal.into_iter().chain(tangential) {
+        let meaning = "sup sum (alpha_i/alpha_j) |v_nu|^2 over the contact sides / |eps(v)|^2";
+        let falling = self.falling.as_ref().map(|of| ("c_nu^2", of, meaning));
+        for (symbol, of, meaning) in normal.into_iter().chain(falling).chain(tangential) {
             let [consistent, lumped] = of.values;
             let name = format!("{symbol}, n = {}", self.n);
             rows.add(
@@ -236,8 +269,12 @@ impl TraceConstants {
         if let Some(bound) = c.c_j_squared_bound {
             rows.add("c_j^2, bound", bound, Proved, "distance of Gamma3 from the clamped side");
         }
+        if let (Some(_), Some(bound)) = (&self.falling, c.c_nu_squared_bound) {
+            let note = "distance of the side with the falling law from the clamped side";
+            rows.add("c_nu^2, bound", bound, Proved, note);
+        }
         if let Some(energy) = &self.energy.limit {
-            let asked = digits(c.m_elastic / c.c_j_squared, 7);
+            let asked = digits(c.m_elastic / c.c_nu_squared, 7);
             let note = format!(
                 "1/energy constant: steeper laws lose uniqueness; (2.9) asks alpha_j < {asked}"
             );
@@ -254,12 +291,8 @@ pub(super) fn table(
     m0_on_mesh: f64,
     traces: Option<&TraceConstants>,
 ) -> Vec<Constant> {
-    let potential = setup.model.boundary.as_ref().map(|boundary| &*boundary.potential);
-    let (c0, c1) = potential.map_or((0.0, 0.0), Potential::growth);
-    let alpha = potential.map_or(0.0, Potential::alpha);
-    // A law with a factor c(x): (2.8b) and (2.8c) hold on all of Γ3 with the largest c.
-    let law = setup.body.contact.as_ref().and_then(|contact| contact.law.as_ref());
-    let largest = law.and_then(|law| law.scale).map_or(1.0, |scale| scale.largest);
+    // (2.8b) and (2.8c) hold on all of Γ3 with the largest constants of its laws, a factor c(x) at its largest.
+    let [c0, c1] = growth(setup);
     let mut rows = Rows::default();
     let note = "smallest eigenvalue of the elasticity tensor (of all regions) + mu";
     rows.add("m_A", c.m_a, Proved, note);
@@ -276,11 +309,18 @@ pub(super) fn table(
     rows.add("sqrt|Omega|", c.root_area, Proved, "");
     rows.add("L_kappa", c.lipschitz_kappa, Proved, setup.kappa.how());
     let note = "|dj_nu(r)| <= c0 + c1 |r|; in (2.8b) it counts c0 sqrt|Gamma3|";
-    rows.add("c0", largest * c0, Declared, note);
+    rows.add("c0", c0, Declared, note);
     let note = "steepest slope of the law at infinity; the same in (2.8b)";
-    rows.add("c1", largest * c1, Declared, note);
+    rows.add("c1", c1, Declared, note);
     let note = "steepest descent of the law (2.8c), with the largest factor on Gamma3";
-    rows.add("alpha_j", largest * alpha, Declared, note);
+    rows.add("alpha_j", c.alpha_nu, Declared, note);
+    if setup.body.contact.len() > 1 {
+        for contact in &setup.body.contact {
+            let alpha = contact.law.as_ref().map_or(0.0, Law::alpha);
+            let name = format!("alpha_j {}", on_sides(setup, contact));
+            rows.add(name, alpha, Declared, "steepest descent of the law there");
+        }
+    }
     if setup.model.friction.is_some() {
         let note = "steepest descent of the friction bound over the slip";
         rows.add("alpha_tau", c.alpha_tau, Declared, note);
@@ -293,7 +333,9 @@ pub(super) fn table(
     // m0 of (2.9).
     let other = c.alpha_tau > 0.0 || c.coulomb.is_some();
     let monotone = c.alpha_nu == 0.0 && !other;
+    let several = traces.is_some_and(|traces| traces.falling.is_some());
     let note = match setup.model.friction {
+        None if several => "m_A - alpha_phi - alpha_j c_nu^2 (2.9): all contact sides together",
         None => "m_A - alpha_phi - alpha_j c_j^2 (2.9)",
         Some(_) if c.coulomb.is_some() => "m_A - mu - A c_j^2 - B c_tau^2 (docs/CONTACT-LAWS.md)",
         Some(_) => "m_A - alpha_phi - alpha_j c_j^2 - alpha_tau c_tau^2",
@@ -301,9 +343,13 @@ pub(super) fn table(
     let off = c.m0_range.map(|end| (end - c.m0).abs()).into_iter().reduce(f64::max);
     let m0 = rows.add("m0", c.m0, if monotone { Proved } else { Extrapolated }, note);
     m0.uncertainty = off.filter(|_| !monotone);
-    if let Some(bound) = c.c_j_squared_bound.filter(|_| c.alpha_nu > 0.0 && !other) {
+    if let Some(bound) = c.c_nu_squared_bound.filter(|_| c.alpha_nu > 0.0 && !other) {
         let value = c.m_elastic - c.alpha_nu * bound;
-        rows.add("m0, proved", value, Proved, "with the proved bound of c_j^2");
+        let note = match several {
+            true => "with the proved bound of c_nu^2",
+            false => "with the proved bound of c_j^2",
+        };
+        rows.add("m0, proved", value, Proved, note);
     }
     if let Some(TraceConstants { n, .. }) = traces {
         let note = "the same with the largest c_j^2 and c_tau^2 of this table, for the bounds on this mesh";

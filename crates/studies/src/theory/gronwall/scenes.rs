@@ -27,7 +27,7 @@ use vhi::{Newton, monotonicity};
 /// upper bound.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct GronwallConstants {
-    /// m0 = m_𝒜 - α_ν C, C a proved upper bound of c_j² (a stress).
+    /// m0 = m_𝒜 - α_ν C, C a proved upper bound of c_ν², which is c_j² with one law (a stress).
     pub m0: f64,
     /// C, where α_ν > 0 needs it (a length).
     pub trace_bound: Option<f64>,
@@ -58,13 +58,13 @@ impl GronwallConstants {
             return Err(refused(scene, OWN_WEIGHTS));
         };
         let refuse_if = |wrong, why: &str| if wrong { Err(refused(scene, why)) } else { Ok(()) };
-        let friction = setup.body.contact.as_ref().and_then(|contact| contact.friction.as_ref());
+        let friction = setup.body.friction();
         refuse_if(
             friction.is_some_and(|law| law.alpha() > 0.0 || law.bound.coefficient() > 0.0),
             ": m0 needs an upper bound of c_tau^2 where friction falls with the slip or follows the pressure, and none is proved; take a bound that is given",
         )?;
         let asked = found.alpha_nu > 0.0;
-        let trace_bound = asked.then_some(found.c_j_squared_bound).flatten();
+        let trace_bound = asked.then_some(found.c_nu_squared_bound).flatten();
         refuse_if(
             asked && trace_bound.is_none(),
             " has a falling contact law, and no bound of c_j^2 is proved for its sides: place the contact side opposite a clamped one",
@@ -368,7 +368,8 @@ fn in_space(setup: &Setup, data: &MeshData, exact: &InterpolatedOnMesh) -> Resul
         let TruthAtLevel { t, u, memory, zeta } = exact_level(setup, exact, share * horizon)?;
         // ξ takes what ∂j_ν allows, λ the rest.
         let split = |(i, pressure): (usize, f64)| {
-            let Some(boundary) = &model.boundary else { return (0.0, 0.0) };
+            let boundary = model.boundary_on(trace.points[i].side);
+            let Some(boundary) = boundary else { return (0.0, 0.0) };
             let x = data.space.mesh.point(&[trace.points[i].vertex], &[1.0]);
             let r = trace.normal(i, &u) - (boundary.shift)(x);
             let (lo, hi) = boundary.potential.subdifferential(r);

@@ -371,7 +371,7 @@ fn beside(setup: &Setup, finest: Run) -> Companions {
         Ok([half, quarter]) => [half, quarter].map(|run| floor_in(&run.apart, norm)),
         _ => [f64::NAN; 2],
     };
-    let on_contact = setup.model.boundary.is_some();
+    let on_contact = !setup.model.boundary.is_empty();
     let norms = NORMS.into_iter().filter(|norm| on_contact || !norm.needs_contact());
     let norms = norms.map(|norm| NormDifferences {
         norm,
