@@ -66,7 +66,7 @@ impl Canvas {
         let Self { size: (width, height), elements, text, .. } = self;
         let (left, style, elements) = (height - head, style(), elements.text());
         format!(
-            "<svg font-family=\"sans-serif\" font-size=\"{text}\" fill=\"{WORDS}\" stroke-width=\"{LINE_WIDTH}\" width=\"{width}\" height=\"{left}\" \
+            "<svg font-family=\"sans-serif\" font-size=\"{text}\" fill=\"{WORDS}\" stroke-width=\"{LINE_WIDTH}\" stroke-linejoin=\"round\" width=\"{width}\" height=\"{left}\" \
              viewBox=\"0 {head} {width} {left}\" xmlns=\"http://www.w3.org/2000/svg\">{style}\n\
              <rect width=\"{width}\" height=\"{height}\" fill=\"{PAPER}\"/>\n{elements}</svg>\n"
         )

@@ -1,6 +1,6 @@
 //! Lines of a text, made plain and cut into cells; rows that agree make a block.
 
-use super::cell::{is_missing, is_size, number};
+use super::cell::{is_missing, is_norm, is_rate, is_size, number};
 
 /// A row, cut into cells.
 #[derive(Debug, Clone, PartialEq)]
@@ -470,4 +470,10 @@ pub(super) fn is_computed(rows: &[Cells], at: usize, from: usize) -> bool {
         rows.windows(2).all(computed)
     };
     lacks && rows.len() > 2 && (is(|ratio| ratio) || is(f64::log2))
+}
+
+/// Whether a line names none of the columns.
+pub(super) fn is_title(line: &Line) -> bool {
+    let column = |cell: &String| is_size(cell) || is_norm(cell) || is_rate(cell);
+    line.kind == Kind::Text && !line.cells.iter().any(column)
 }

@@ -1,8 +1,7 @@
 //! The names of the columns of a block, from the lines above its rows.
 
 use super::cell::{Role, is_missing, is_norm, is_rate, is_size, normal, number, role};
-use super::line::{Block, Cells, Kind, Line, Separator, is_computed, is_word};
-use super::text::is_title;
+use super::line::{Block, Cells, Kind, Line, Separator, is_computed, is_title, is_word};
 
 /// The block below `above`, with the names that stand there; no names if there are none that fit.
 pub(super) fn head(

@@ -1,8 +1,8 @@
 //! Finds the tables of a text: lines are classified, rows that agree make a block, the line above names its columns.
 
-use super::cell::{Role, is_norm, is_rate, is_size, number, role};
+use super::cell::{Role, is_norm, is_size, number, role};
 use super::line::{
-    Block, Cells, Kind, Line, Separator, classify, is_word, numbers, plain, uncommented,
+    Block, Cells, Kind, Line, Separator, classify, is_title, is_word, numbers, plain, uncommented,
 };
 use super::loose::{self, Records};
 use super::names::head;
@@ -182,12 +182,6 @@ fn titled(block: Block, before: Option<&Block>, above: &[Line], width: usize) ->
         }
         _ => block,
     }
-}
-
-/// Whether a line names none of the columns.
-pub(super) fn is_title(line: &Line) -> bool {
-    let column = |cell: &String| is_size(cell) || is_norm(cell) || is_rate(cell);
-    line.kind == Kind::Text && !line.cells.iter().any(column)
 }
 
 fn goes_on(lines: &[Line], at: usize, width: usize) -> bool {

@@ -68,7 +68,7 @@ impl FloorSource {
                 "lower the floor: it is the quadrature of loads and errors, where a kink cuts cells; `sweep check --floors` measures its parts"
             }
             Self::LoadQuadrature => {
-                "lower the floor: it is the load quadrature of form = \"strong\", where f0 or a traction jumps inside cells; leave form out for loads in weak form; `sweep check --floors` measures its parts"
+                "lower the floor: it is the load quadrature of form = \"strong\", where f0 or a traction is rough inside cells; leave form out for loads in weak form; `sweep check --floors` measures its parts"
             }
             Self::Reference => {
                 "lower the floor: it is the error of the reference run, a finer one in [sweep] reference"

@@ -105,7 +105,7 @@ fn an_unknown_name_is_answered_with_the_nearest() {
         "{message}"
     );
     let message = registry.load("zzzzzz").unwrap_err().to_string();
-    assert!(message.contains("known: abstract-contact, "), "{message}");
+    assert!(message.contains("known: abstract-bilateral, "), "{message}");
 }
 
 #[test]
