@@ -126,7 +126,7 @@ impl Canvas {
         colour: Colour,
         hollow: bool,
     ) {
-        if shape % 4 == 0 && !hollow {
+        if shape.is_multiple_of(4) && !hollow {
             // Points of a round pen.
             let point = |place: &CanvasPoint| moves([pixel(*place)]) + "h0";
             let data: String = places.iter().map(point).collect();
