@@ -111,6 +111,8 @@ fn long_all_sums_over_the_past_have_the_same_solution() {
         "quadratic-compliance",
         "quadratic-friction",
         "quadratic-memory",
+        "short-memory-body",
+        "short-memory-time",
         "singular-contact",
         "symmetry-quadratic",
     ];

@@ -434,7 +434,10 @@ pub(super) fn classify(text: &str, separator: Separator) -> Vec<Line<'_>> {
             }
             _ => numbers > 1 || numbers == 1 && words < 2,
         };
-        let kind = match (text.trim_start().starts_with(['#', '%']), row) {
+        // A heading of Markdown ends a table, a comment does not.
+        let mark = text.trim_start();
+        let is_comment = mark.starts_with(['#', '%']) && !mark.starts_with("##");
+        let kind = match (is_comment, row) {
             (true, _) => Kind::Comment,
             (_, true) => Kind::Row,
             _ => Kind::Text,

@@ -182,7 +182,8 @@ fn order_in_k(scene: &Scene) -> Prediction {
     let promised = predicted(scene, Direction::K).map(|prediction| prediction.order.min(2.0));
     let smooth = !scene.violates.contains(&Hypothesis::RegularInTime);
     // A scene without a prediction that is not smooth in time promises no more than order 1.
-    let order = promised.unwrap_or(if smooth { 2.0 } else { 1.0 });
+    // Nor does a rule promise more than its own order.
+    let order = promised.unwrap_or(if smooth { 2.0 } else { 1.0 }).min(scene.time.rule.order());
     at_least(Direction::K, order, "Theorem 7, (3.17), u(t) in V^h")
 }
 
