@@ -11,7 +11,7 @@ const SHARE_OF_HIGH: f64 = 0.05;
 /// A miss is refuted from where the tolerance leaves a tenth: at 0.05 from the claim of ordinary ones; from a third on of
 /// smaller ones.
 const LEFT_TO_MISS: f64 = 0.10;
-const REFUTED: f64 = 0.975;
+pub(super) const REFUTED: f64 = 0.975;
 /// Probability of a hit that confirms; lower with three levels, whose slopes have to agree instead.
 const CONFIRMED: f64 = 0.80;
 const CONFIRMED_BY_THREE: f64 = 0.70;
@@ -26,7 +26,7 @@ const CERTAIN: f64 = 0.95;
 /// Allowed difference of the two slopes of three levels, as a share of the order.
 const AGREEMENT: f64 = 0.15;
 /// Slopes below this are those of errors that do not fall: by a tenth in three halvings. Those closer are alike.
-const NOTHING: f64 = 0.05;
+pub(super) const NOTHING: f64 = 0.05;
 /// How far, in tolerances, the order of the differences of three errors may lie below the claim: less than a quarter of an
 /// order by the default.
 const DIFFERENCES: f64 = 1.6;

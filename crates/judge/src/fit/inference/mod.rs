@@ -15,6 +15,7 @@ mod next_term;
 mod to_zero;
 
 use super::level::{deviation, unexplained};
+use super::richardson::{Triple, ValueSample};
 use super::{Direction, FitError, Interval, Level, Point, Sample, power_of_log, samples, screen};
 use evidence::{Base, Gram, Noise, Row};
 use mixture::{Mixture, Part};
@@ -120,7 +121,7 @@ struct Trend {
     of_differences: Option<f64>,
     /// Share of the last error that is F of C h^p + F through the last three; none where they do not fall.
     left: Option<f64>,
-    /// Slope of the straight line, where the slopes go up and down about it as by noise.
+    /// Slope of the straight line, where the slopes go up and down about it as by noise, and what errors scatter about it.
     scattered: Option<[f64; 2]>,
     /// The noise is told.
     told_noise: bool,
@@ -269,12 +270,14 @@ fn of_differences(serving: &[Level]) -> Option<f64> {
     Some(ratio.ln() / (a.size() / b.size()).ln()).filter(|order| order.is_finite())
 }
 
-/// What C h^p + F leaves in F of the last of three errors, for equal ratios of steps: e₃ - d₂²/(d₁ - d₂) over e₃.
+/// The share of the last of three errors that is F of C h^p + F; none where they do not fall towards it.
 fn left_of_the_last(serving: &[Level]) -> Option<f64> {
     let [.., a, b, c] = serving else { return None };
-    let [first, last] = [a.error() - b.error(), b.error() - c.error()];
-    // Differences that do not fall have no limit.
-    (last > 0.0 && first > last).then(|| 1.0 - last * last / (first - last) / c.error())
+    let of = |level: &Level| ValueSample { step: level.size(), value: level.error() };
+    match Triple::of([of(a), of(b), of(c)]) {
+        Triple::Converging { limit, .. } if c.error() < b.error() => Some(limit / c.error()),
+        _ => None,
+    }
 }
 
 fn largest(parts: &[Part]) -> f64 {
@@ -660,26 +663,38 @@ impl Table {
         let of =
             |(i, term): (usize, &Terms)| (s * self.scales[first + i]).hypot(SCATTER * term.share);
         let scales: Vec<f64> = terms.iter().enumerate().map(of).collect();
-        let row = |(i, term): (usize, &Terms)| Row {
-            x: self.x[first + i] + term.by_order,
-            y: self.y[first + i] - term.g + node.order()[0] * term.by_order,
-            nuisances: term.nuisances,
-            weight: 1.0 / (scales[i] * scales[i]),
-        };
+        let row = |(i, term)| self.row(first + i, node, term, scales[i]);
         let gram = Gram::of(terms.iter().enumerate().map(row));
         let component = gram.component(&Base::new(&scales).noise(1.0, log_prior), node.order());
-        let weight = component.log_evidence;
-        if weight >= self.best.get() - LEAST {
-            self.best.set(self.best.get().max(weight));
-            parts.push(Part {
-                weight,
-                mean: component.mean,
-                deviation: component.deviation().hypot(CLOSEST),
-                floored: true,
-                outside: false,
-                coarse: kept.coarse,
-            });
+        let part = Part {
+            weight: component.log_evidence,
+            mean: component.mean,
+            deviation: component.deviation().hypot(CLOSEST),
+            floored: true,
+            outside: false,
+            coarse: kept.coarse,
+        };
+        self.keep(part, parts);
+    }
+
+    /// A level under a node, its logarithm known to `scale`.
+    fn row(&self, level: usize, node: &Node, found: &Terms, scale: f64) -> Row {
+        Row {
+            x: self.x[level] + found.by_order,
+            y: self.y[level] - found.g + node.order()[0] * found.by_order,
+            nuisances: found.nuisances,
+            weight: 1.0 / (scale * scale),
         }
+    }
+
+    /// Keeps a reading that is not far below the likeliest; false if it is.
+    fn keep(&self, part: Part, parts: &mut Vec<Part>) -> bool {
+        let near = part.weight >= self.best.get() - LEAST;
+        if near {
+            self.best.set(self.best.get().max(part.weight));
+            parts.push(part);
+        }
+        near
     }
 
     /// Readings by one node, for each noise; the log weight at the noise of the first look.
@@ -694,16 +709,8 @@ impl Table {
         // Of three levels a reference is no more than a wider interval: it leaves no order that a failure would miss.
         let unstated = node.family.is_reference() && kept.long;
         let floored = node.family == Family::Floor || unstated || kept.fine > 0;
-        let row = |(i, term): (usize, &[f64; 3])| {
-            let found = node.terms(*term);
-            let scale = self.scales[i];
-            Row {
-                x: self.x[i] + found.by_order,
-                y: self.y[i] - found.g + node.order()[0] * found.by_order,
-                nuisances: found.nuisances,
-                weight: 1.0 / (scale * scale),
-            }
-        };
+        let row =
+            |(i, term): (usize, &[f64; 3])| self.row(i, node, &node.terms(*term), self.scales[i]);
         let gram = Gram::of(kept.levels.clone().zip(terms).map(row));
         let (mut seen, mut largest) = (f64::NEG_INFINITY, f64::NEG_INFINITY);
         // From the largest noise on, until the residuals are too large for the noise.
@@ -721,17 +728,15 @@ impl Table {
             if beyond && component.mean < LEAST_ORDER {
                 break;
             }
-            if weight >= self.best.get() - LEAST {
-                self.best.set(self.best.get().max(weight));
-                parts.push(Part {
-                    weight,
-                    mean: component.mean,
-                    deviation: component.deviation().hypot(CLOSEST),
-                    floored,
-                    outside: node.last || !self.told_noise() && noise.size == LARGEST_NOISE,
-                    coarse: kept.coarse,
-                });
-            } else if weight < largest && !coarsely {
+            let part = Part {
+                weight,
+                mean: component.mean,
+                deviation: component.deviation().hypot(CLOSEST),
+                floored,
+                outside: node.last || !self.told_noise() && noise.size == LARGEST_NOISE,
+                coarse: kept.coarse,
+            };
+            if !self.keep(part, parts) && weight < largest && !coarsely {
                 break;
             }
             largest = largest.max(weight);

@@ -4,33 +4,30 @@
 //! The constant is that of C h^p + F through the last three errors. An error that falls from 1 to F = 0.1 leaves more than
 //! `LEFT` of its last value in F after three halvings, whatever its order from 0.3 on, so that four levels are needed.
 
+use super::claim::{NOTHING, REFUTED};
 use super::{Posterior, Ruling};
 use crate::fit::Decision;
 
-/// Orders up to this are those of errors that do not fall: by a tenth in three halvings.
-const AWAY: f64 = 0.05;
 /// Fewest levels.
 const LEVELS: usize = 4;
 /// Largest share of the last error that may be left as a constant.
 const LEFT: f64 = 0.15;
 /// Probability of a floor, unstated, up to which a trend is one to zero.
 const FLOORED: f64 = 0.5;
-/// Probability that the order is above 0 in a pass, and below in a failure.
-const SURE: f64 = 0.975;
 
 impl Posterior {
     /// Whether the errors tend to zero; unresolved where their trend does not tell.
     pub fn tends_to_zero(&self) -> Ruling {
-        let falls = 1.0 - self.below(AWAY);
+        let falls = 1.0 - self.below(NOTHING);
         let left = self.trend.left;
         let (decision, why) = match left {
             _ if let Some(doubt) = &self.doubts.always => (Decision::Unresolved, doubt.clone()),
             _ if let Some(why) = &self.unexplained => (Decision::Unresolved, why.clone()),
-            _ if 1.0 - falls > SURE => (
+            _ if 1.0 - falls > REFUTED => (
                 Decision::Fail,
                 format!("the errors do not fall, their order is in {}", self.interval),
             ),
-            _ if self.interval.lo <= AWAY => (
+            _ if self.interval.lo <= NOTHING => (
                 Decision::Unresolved,
                 format!("the order is in {}, which is not away from 0", self.interval),
             ),
@@ -42,10 +39,13 @@ impl Posterior {
                 ),
             ),
             None => (Decision::Unresolved, "the last errors do not fall".to_owned()),
-            Some(share) if share > LEFT || self.floor > FLOORED => (
+            Some(share) if share > LEFT => (
                 Decision::Unresolved,
                 format!("{:.0} % of the last error may be left as a constant", 100.0 * share),
             ),
+            Some(_) if self.floor > FLOORED => {
+                (Decision::Unresolved, "an unstated floor is likelier than none".to_owned())
+            }
             Some(share) => (
                 Decision::Pass,
                 format!(
@@ -64,12 +64,33 @@ impl Posterior {
 mod tests {
     use crate::fit::{Decision, order};
 
-    /// e = F + (1 - F) h^p on so many halvings.
-    fn decided(floor: f64, p: f64, levels: i32) -> Decision {
+    /// e = F + (1 - F) h^p on these steps.
+    fn on(steps: &[f64], floor: f64, p: f64) -> Decision {
         let error = |h: f64| floor + (1.0 - floor) * h.powf(p);
-        let table: Vec<(f64, f64)> =
-            (0..levels).map(|i| 0.5f64.powi(i)).map(|h| (h, error(h))).collect();
+        let table: Vec<(f64, f64)> = steps.iter().map(|&h| (h, error(h))).collect();
         order(&table).expect("levels").tends_to_zero().decision
+    }
+
+    /// On so many halvings.
+    fn decided(floor: f64, p: f64, levels: i32) -> Decision {
+        let steps: Vec<f64> = (0..levels).map(|i| 0.5f64.powi(i)).collect();
+        on(&steps, floor, p)
+    }
+
+    /// The ratios of steps need not be equal: what is left is that of the steps at hand.
+    #[test]
+    fn steps_of_other_ratios_hide_no_constant() {
+        let ratios = [
+            vec![1.0, 0.5, 0.25, 0.125, 1.0 / 64.0],
+            vec![1.0, 0.5, 0.4, 0.1, 0.05],
+            vec![1.0, 0.25, 0.2, 0.15, 0.02],
+        ];
+        for steps in &ratios {
+            for p in [0.5, 0.75, 1.0] {
+                assert_eq!(on(steps, 0.0, p), Decision::Pass, "{steps:?} {p}");
+                assert_ne!(on(steps, 0.1, p), Decision::Pass, "{steps:?} {p}");
+            }
+        }
     }
 
     /// Of any order from 0.3 to 2 the trend is seen on four to seven levels.
