@@ -23,7 +23,7 @@ use run::sweep::{
     floors_beside, foresee_plan,
 };
 use scene::setup::{Constants, Setup, Smallness, Subject, constants, sides};
-use scene::{Data, Hypothesis, Law, RelaxationTerm, Scene};
+use scene::{Data, Hypothesis, Prediction, RelaxationTerm, Scene};
 use serde_json::Value;
 use studies::theory::corner::{Corner, corners};
 use vhi::history::FastConvolution;
@@ -108,7 +108,7 @@ fn findings(plan: &ScenePlan, limit: &MemoryLimit) -> Result<Vec<Finding>, CliEr
     if let Some(exact) = &setup.exact {
         findings.extend(check(exact, &sides(&setup.body)));
         // A scene whose errors tend to zero at no rate claims no regularity.
-        let no_rate = setup.scene.predicts.iter().any(|p| p.at_least && p.order == 0.0);
+        let no_rate = setup.scene.predicts.iter().any(Prediction::tends_to_zero);
         if no_rate || setup.scene.violates.contains(&Hypothesis::RegularInSpace) {
             findings.iter_mut().for_each(strong_form_is_no_measure);
         }
@@ -425,9 +425,12 @@ fn trace_findings(setup: &Setup, c: &Constants) -> Vec<Finding> {
         for contact in &setup.body.contact {
             let names: Vec<&str> =
                 contact.sides.iter().map(|&side| setup.body.domain.name(side)).collect();
-            let alpha = contact.law.as_ref().map_or(0.0, Law::alpha);
             let name = format!("alpha_nu on {}", names.join(", "));
-            findings.push(fact(&name, alpha, "proved: steepest descent of the law there"));
+            findings.push(fact(
+                &name,
+                contact.alpha(),
+                "proved: steepest descent of the law there",
+            ));
         }
         let how = format!("(alpha_i/alpha_nu) |v_nu|^2 over the sides: {}", known(c.c_nu_range));
         findings.push(fact("c_nu^2", c.c_nu_squared, &how));
@@ -497,7 +500,7 @@ fn hypotheses(setup: &Setup, c: &Constants) -> Vec<Finding> {
     findings.push(smallness(c));
     findings.push(fact("beta_phi", c.beta_phi, "proved: max(mu L_kappa sqrt|Omega|, 1)"));
     findings.push(fact("|B|", c.memory.operator, "proved: operator norm on [0, T]"));
-    if c.singular.0 < 0.0 {
+    if c.is_nested() {
         findings.push(fact(
             "|q||r|",
             c.singular.1.operator,

@@ -167,7 +167,7 @@ fn predictions(scene: &Scene) -> Vec<String> {
             scene::Direction::Path => "h on the path",
         };
         let says = match p.at_least {
-            true if p.order == 0.0 => "tends to zero".to_owned(),
+            true if p.tends_to_zero() => "tends to zero".to_owned(),
             true => format!("order at least {}", p.order),
             false => format!("order {}", p.order),
         };

@@ -1,4 +1,4 @@
-//! Source: static bilateral contact with a bound of friction that falls with the slip, docs/estimates/static.md.
+//! Source: static bilateral contact with a bound of friction that falls with the slip, docs/estimates/STATIC.md.
 //! Goal: u_ν = 0 holds and takes part in c_τ²; what the smallness condition forbids is refused with its numbers; an error that
 //!   does not tend to zero is not taken for one that does; a functional of u can be fixed.
 //! Mesh: n = 4 to 32, structured and of a polygon.

@@ -4,7 +4,7 @@
 use fem::contact::BoundaryRule as ContactQuadrature;
 use formula::Node;
 
-use super::domain::{Domain, Face, Side, place};
+use super::domain::{Domain, Face, SAME_NORMAL, Side, place};
 use super::friction::Friction;
 use super::gap::{finite_on_contact, gap};
 use super::law::Law;
@@ -39,6 +39,11 @@ pub(super) fn tables(reading: &Reading) -> Result<Vec<String>> {
 }
 
 impl Contact {
+    /// α of (2.8c): the steepest descent of the law, 0 without one.
+    pub fn alpha(&self) -> f64 {
+        self.law.as_ref().map_or(0.0, Law::alpha)
+    }
+
     /// The contact of a scene: none exactly if the domain has no contact sides.
     pub(super) fn validate(
         reading: &mut Reading,
@@ -204,9 +209,6 @@ fn apart(reading: &Reading, domain: &Domain, all: &[Contact]) -> Result<()> {
     }
     Ok(())
 }
-
-/// Directions that differ by less are one.
-const SAME_NORMAL: f64 = 1e-9;
 
 fn quadrature(
     reading: &Reading,

@@ -9,6 +9,7 @@ use fem::mesh::{
 use files::read_file_up_to;
 use formula::EvaluationPoint;
 use serde::de::IgnoredAny;
+pub(crate) use side::SAME_NORMAL;
 pub use side::{Face, Side};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;

@@ -5,7 +5,7 @@ use exact::FrictionBound;
 use fem::contact::BoundaryRule as ContactQuadrature;
 use formula::{EvaluationPoint, Node};
 
-use super::domain::{Domain, Face, place};
+use super::domain::{Domain, Face, SAME_NORMAL, place};
 use super::law::Law;
 use super::reading::{Reading, in_time, join};
 use super::source::Result;
@@ -14,9 +14,6 @@ use super::time::Time;
 /// Intervals of a side in the plane and in space, and of [0, T], at whose ends the bound is examined.
 const SAMPLES: [u32; 2] = [256, 24];
 const TIMES: u32 = 32;
-/// Relative distance below which ends of faces are one vertex.
-const SAME_PLACE: f64 = 1e-9;
-
 /// Kinds of a bound with their keys.
 pub(super) const BOUNDS: [(&str, &str); 2] = [("slip", "points"), ("coulomb", "coefficient")];
 
@@ -156,21 +153,17 @@ fn one_tangent_a_vertex(reading: &Reading, key: &str, domain: &Domain) -> Result
     };
     let d = domain.dimension();
     let (contact, clamped) = (of(&domain.contact), of(&domain.clamped));
-    let near = |p: [f64; 3], q: [f64; 3], face: &Face| {
-        (p[0] - q[0]).hypot(p[1] - q[1]).hypot(p[2] - q[2]) <= SAME_PLACE * face.longest()
-    };
-    let at = |p: [f64; 3], face: &Face| face.points(1).into_iter().any(|q| near(p, q, face));
     for (i, face) in contact.iter().enumerate() {
-        for p in face.points(1) {
+        for p in face.corners() {
             let bends = |other: &Face| {
                 let (a, b) = (face.normal, other.normal);
                 let turn = [(0, 1), (1, 2), (2, 0)].map(|(i, j)| a[i] * b[j] - a[j] * b[i]);
-                turn.iter().any(|component| component.abs() > SAME_PLACE) && at(p, other)
+                turn.iter().any(|component| component.abs() > SAME_NORMAL) && other.has_corner(p)
             };
-            let held = || d == 2 && clamped.iter().any(|face_of_clamped| at(p, face_of_clamped));
+            let held = || d == 2 && clamped.iter().any(|other| other.has_corner(p));
             let leans = |plane: &Face| {
                 let along: f64 = (0..3).map(|k| plane.normal[k] * face.normal[k]).sum();
-                along.abs() > SAME_PLACE && at(p, plane)
+                along.abs() > SAME_NORMAL && plane.has_corner(p)
             };
             if of(&domain.symmetry).iter().any(leans) {
                 let message = format!(

@@ -423,6 +423,11 @@ pub struct Prediction {
 }
 
 impl Prediction {
+    /// Whether the error is to tend to zero, at no rate that anybody predicts.
+    pub fn tends_to_zero(&self) -> bool {
+        self.at_least && self.order == 0.0
+    }
+
     /// Validates the prediction at position `index` of the file.
     pub(super) fn validate(
         reading: &Reading,

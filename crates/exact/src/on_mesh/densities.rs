@@ -24,6 +24,7 @@ impl ExactOnMesh {
         let values = self.exact.forces.values(&points, t, zeta);
         let onto = Projector::new(rule, Shapes::of_cell(self.space.element, D));
         let functions = Shapes::of_cell(self.space.element, D);
+        let shapes: Vec<Vec<f64>> = rule.points.iter().map(|b| functions.at(b)).collect();
         let (mut first, mut at_nodes) = (0, Vec::new());
         for Cut { simplex, rule: pieces } in &cut {
             let places = first..first + pieces.weights.len();
@@ -36,9 +37,8 @@ impl ExactOnMesh {
             onto.by(pieces).project(&on_pieces, &mut at_nodes);
             let count = rule.weights.len();
             let of_cell = &mut body[D * count * simplex..][..D * count];
-            for (target, b) in of_cell.chunks_mut(D).zip(&rule.points) {
+            for (target, shapes) in of_cell.chunks_mut(D).zip(&shapes) {
                 for (i, f) in target.iter_mut().enumerate() {
-                    let shapes = functions.at(b);
                     *f = shapes.iter().zip(&at_nodes).map(|(s, node)| s * node[i]).sum();
                 }
             }

@@ -24,6 +24,9 @@ pub(super) const OF_A_BOX: [&str; 6] = ["left", "right", "bottom", "top", "front
 /// Distance below which corners are one, over the longest edge.
 const SAME_PLACE: f64 = 1e-9;
 
+/// Directions that differ by less are one.
+pub(crate) const SAME_NORMAL: f64 = 1e-9;
+
 /// A plane piece of a side: a segment, a rectangle of a box, or a triangle.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Face {

@@ -3,7 +3,7 @@
 use super::constants::{Smallness, needed};
 use super::regularity::contact_claims;
 use super::{Result, Setup};
-use crate::{Contact, Face, Hypothesis, Law, SceneError, Side};
+use crate::{Face, Hypothesis, SceneError, Side};
 use exact::{Exact, Sliding};
 use files::digits;
 use formula::Program;
@@ -96,9 +96,8 @@ fn smallness(setup: &Setup) -> Result<()> {
     );
     let hint = format!("{remedy}; or say violates = [\"2.9\"] in [scene] to run it all the same");
     // At the part that takes most.
-    let alpha = |contact: &&Contact| contact.law.as_ref().map_or(0.0, Law::alpha);
     let parts = setup.body.contact.iter();
-    let most = parts.max_by(|a, b| alpha(a).total_cmp(&alpha(b)));
+    let most = parts.max_by(|a, b| a.alpha().total_cmp(&b.alpha()));
     let key = most.map_or_else(String::new, |contact| format!("{}.{key}", contact.key));
     Err(scene.error(&key, message, hint).into())
 }

@@ -1,6 +1,7 @@
 //! Constants of the contact problem (section 5 of the paper) for its step size.
 
-use super::trace_constant::{TraceConstant, weighted_trace_constant};
+use super::kernel_bounds::NESTED;
+use super::trace_constant::{TraceConstant, weight_by_side, weighted_trace_constant};
 use super::{AbstractSetup, Result, Setup, SetupError, elasticity};
 use crate::memory::in_the_largest;
 use crate::{RelaxationTerm, Side};
@@ -122,6 +123,11 @@ impl Constants {
         self.alpha_nu * self.c_nu_squared + self.alpha_tau * self.c_tau_squared
     }
 
+    /// Whether the memory has histories of histories: their norms are then in place of those of singular terms.
+    pub fn is_nested(&self) -> bool {
+        self.singular.0 == NESTED
+    }
+
     /// α_ν and α_τ; with friction that follows the normal law A and B of [`Coulomb::coefficients`].
     pub(super) fn coefficients(&self) -> [f64; 2] {
         self.coefficients_with([self.c_nu_squared, self.c_tau_squared])
@@ -208,7 +214,7 @@ impl Constants {
             singular: SingularSlot {
                 power: self.singular.0,
                 // A history of a history has the last weight w_nn².
-                share: match self.singular.0 < 0.0 {
+                share: match self.is_nested() {
                     true => rule.last_share().powi(2),
                     false => rule.last_weight(self.singular.0, 1.0),
                 },
@@ -354,7 +360,7 @@ pub fn with_trace_constants(
 }
 
 fn alpha_nu(setup: &Setup) -> f64 {
-    setup.body.laws().map(crate::Law::alpha).fold(0.0, f64::max)
+    setup.body.contact.iter().map(crate::Contact::alpha).fold(0.0, f64::max)
 }
 
 /// α_i/α_ν on the contact sides whose laws fall; none where these are all contact sides with one α, or there are none.
@@ -364,10 +370,9 @@ fn alpha_nu(setup: &Setup) -> f64 {
 /// single sides.
 pub fn falling_sides(setup: &Setup) -> Vec<(Side, f64)> {
     let most = alpha_nu(setup);
-    let of = |contact: &crate::Contact| contact.law.as_ref().map_or(0.0, crate::Law::alpha);
     let all = setup.body.contact.iter();
     let all: Vec<(Side, f64)> =
-        all.flat_map(|c| c.sides.iter().map(move |&side| (side, of(c) / most))).collect();
+        all.flat_map(|c| c.sides.iter().map(move |&side| (side, c.alpha() / most))).collect();
     match most > 0.0 && all.iter().any(|(_, weight)| *weight != 1.0) {
         true => all.into_iter().filter(|(_, weight)| *weight > 0.0).collect(),
         false => Vec::new(),
@@ -420,11 +425,8 @@ pub fn decomposition_bound(
     steps: u32,
 ) -> Result<f64> {
     let constants = with_needed(setup, |part, weights| {
-        let weight = |side: u32| match weights {
-            [] => 1.0,
-            _ => weights.iter().find(|(of, _)| of.0 == side).map_or(0.0, |(_, weight)| *weight),
-        };
         let square = [(part, TraceMass::Lumped)];
+        let weight = weight_by_side(weights);
         weighted_trace_constants(space, &TensorField::identity(), square, &weight)
             .map(|[found]| TraceConstant::exactly(found.value))
             .map_err(|source| SetupError::Constant { n, source })
@@ -596,9 +598,6 @@ impl OfRegion {
 pub(super) fn plain_norms(setup: &Setup) -> Vec<MemoryNorms> {
     Memory::of_power(setup, 0.0).norms(setup.scene.time.horizon)
 }
-
-/// In place of a power, of histories of histories: their last weight is of order k² = k^{1-a}.
-const NESTED: f64 = -1.0;
 
 /// The largest power a, and the norms of all terms that are infinite at t = 0 as terms t^{-a} C(t), on each region.
 pub(super) fn singular_norms(setup: &Setup) -> (f64, Vec<MemoryNorms>) {

@@ -4,6 +4,7 @@ mod abstract_setup;
 mod admissible;
 mod constants;
 mod formulas;
+mod kernel_bounds;
 mod laws;
 mod load_check;
 mod material;
@@ -29,7 +30,9 @@ pub use material::{cell_regions, elasticity, memory_tensor};
 pub use mesh_data::{MeshData, RuleCheck, TruthLoad, reference_run, side_numbers};
 pub use regularity::{abstract_regularity, sides};
 pub use subject::{NewtonMarch, Scheme, StepRemark, Subject, check_step_sizes, subject_bounds};
-pub use trace_constant::{TraceConstant, trace_cells, trace_constant, weighted_trace_constant};
+pub use trace_constant::{
+    TraceConstant, trace_cells, trace_constant, weight_by_side, weighted_trace_constant,
+};
 pub use yield_slope::{YieldSlope, ZetaFrom};
 
 use crate::{Body, Contact, ContactScene, Data, Scene, SceneError, Shape, Side};

@@ -137,6 +137,14 @@ pub fn trace_constant(
     weighted_trace_constant(domain, tensor, part, &[])
 }
 
+/// The factor of each side by its number; of all of them 1, if none is given.
+pub fn weight_by_side(weights: &[(Side, f64)]) -> impl Fn(u32) -> f64 + Sync + '_ {
+    move |side| match weights {
+        [] => 1.0,
+        _ => weights.iter().find(|(of, _)| of.0 == side).map_or(0.0, |(_, weight)| *weight),
+    }
+}
+
 /// The same of Σ c_i ‖v_ν‖² over the given contact sides, c_i > 0; of all of them, c_i = 1, if none is given.
 ///
 /// # Errors

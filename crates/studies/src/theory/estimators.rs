@@ -11,9 +11,9 @@ use crate::study::{Asked, Sizes, Study, StudyError};
 use crate::trade::estimate::{companion_runs, companions_and_bound, norm_estimate};
 use fem::contact::{Discretization, LoadError, StepView};
 use fem::norms::step_errors;
+use judge::Order;
 use judge::claim::{Claim, Place, Relation, Statement};
 use judge::fit::{Decision, Interval};
-use judge::{Order, OrderError};
 use report::{Axis, Chapter, Chart, Findings, Part, Scale, Series};
 use run::sweep::admit_constants;
 use scene::setup::{MeshData, Setup};
@@ -313,14 +313,10 @@ fn does_not_grow(statement: Statement, along: &str, quotients: &[(f64, f64)]) ->
             let note = format!("in [{lo:.3}, {hi:.3}], {}", verdict.ruling.reason);
             (verdict.posterior.order, verdict.ruling.decision, note)
         }
-        Err(error) => (f64::NAN, Decision::Unresolved, too_few(&error)),
+        Err(error) => (f64::NAN, Decision::Unresolved, format!("no trend: {error}")),
     };
     let place = Place { at: format!("{} runs in {along}", quotients.len()), ..Place::default() };
     Claim { statement, place, left, relation: Relation::Order(0.0, decision), accuracy: 0.0, note }
-}
-
-fn too_few(error: &OrderError) -> String {
-    format!("no trend: {error}")
 }
 
 /// Runs a case with its companions, and measures its error.

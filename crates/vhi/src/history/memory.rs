@@ -43,8 +43,7 @@ pub fn last_weight(
     grid: &TimeGrid,
     n: usize,
 ) -> f64 {
-    let of = |kernel: &dyn MemoryKernel| rule.kernel_weight(&Convolution(kernel), grid, n, n);
-    kernel.nested().map_or_else(|| of(kernel), |[outer, inner]| of(outer) * of(inner))
+    kernel.product(|kernel| rule.kernel_weight(&Convolution(kernel), grid, n, n))
 }
 
 impl Memory {

@@ -81,6 +81,16 @@ pub struct Summed {
     pub interpolated_to: Option<f64>,
 }
 
+impl dyn MemoryKernel + '_ {
+    /// Of a history of a history the product of what `of` says of its two kernels; of another kernel what it says.
+    pub fn product(&self, of: impl Fn(&dyn MemoryKernel) -> f64) -> f64 {
+        match self.nested() {
+            None => of(self),
+            Some(kernels) => kernels.map(of).iter().product(),
+        }
+    }
+}
+
 impl MemoryKernel for Summed {
     fn value(&self, lag: f64) -> f64 {
         self.kernel.value(lag)

@@ -60,10 +60,7 @@ impl FrozenDerivative for Evolution<'_> {
         let rule = &self.model.time_rule;
         let slot =
             |kernel: &dyn MemoryKernel| rule.last_weight(kernel.power(), k) * kernel.factor(0.0);
-        let last_weight = |term: &MemoryTerm| match term.kernel.nested() {
-            None => slot(&*term.kernel),
-            Some([outer, inner]) => slot(outer) * slot(inner),
-        };
+        let last_weight = |term: &MemoryTerm| term.kernel.product(slot);
         let memory = self.model.memory.iter().map(last_weight).collect();
         self.set_last_slot(LastSlot { zeta: rule.last_share() * k, memory });
     }

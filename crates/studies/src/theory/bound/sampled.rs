@@ -8,10 +8,10 @@ use fem::contact::{Discretization, TraceMass, TracePart, weighted_trace_constant
 use files::digits;
 use judge::claim::{Claim, Place, Statement};
 use scene::setup::{
-    AbstractConstants, Constants, Setup, TraceConstant, falling_sides, growth,
+    AbstractConstants, Constants, Setup, TraceConstant, falling_sides, growth, weight_by_side,
     weighted_trace_constant, with_trace_constants,
 };
-use scene::{Contact, Law, Side};
+use scene::{Contact, Side};
 use serde::Serialize;
 use vhi::finite::FiniteModel;
 use vhi::law::{Potential, TensorField};
@@ -45,7 +45,7 @@ pub fn declared(setup: &Setup, constants: &Constants, space: &Discretization) ->
                 law(&boundary.potential_at(x))[1].left
             });
             let (needed, count) = (needed.fold(0.0, larger), vertices().count() as u32 * PAIRS);
-            let of_law = contact.law.as_ref().map_or(0.0, Law::alpha);
+            let of_law = contact.alpha();
             let declared = of_law.min(constants.alpha_nu);
             of_side.push(sampled("(2.8c): alpha_j with the factor", declared, needed, count));
         }
@@ -202,10 +202,7 @@ impl TraceConstants {
         }
         let weighted = |tensor: &TensorField, part, weights: &[(Side, f64)]| -> Result<OnMesh> {
             let squares = [TraceMass::Consistent, TraceMass::Lumped].map(|mass| (part, mass));
-            let weight = |side: u32| match weights {
-                [] => 1.0,
-                _ => weights.iter().find(|(of, _)| of.0 == side).map_or(0.0, |(_, weight)| *weight),
-            };
+            let weight = weight_by_side(weights);
             let values = match domain.bilateral && part == TracePart::Normal {
                 true => [0.0; 2],
                 false => weighted_trace_constants(space, tensor, squares, &weight)?
@@ -316,9 +313,8 @@ pub(super) fn table(
     rows.add("alpha_j", c.alpha_nu, Declared, note);
     if setup.body.contact.len() > 1 {
         for contact in &setup.body.contact {
-            let alpha = contact.law.as_ref().map_or(0.0, Law::alpha);
             let name = format!("alpha_j {}", on_sides(setup, contact));
-            rows.add(name, alpha, Declared, "steepest descent of the law there");
+            rows.add(name, contact.alpha(), Declared, "steepest descent of the law there");
         }
     }
     if setup.model.friction.is_some() {
