@@ -27,7 +27,7 @@ fn shown(runs: &serde_json::Value, key: &str) -> String {
 
 #[test]
 fn the_page_shows_what_the_command_prints() {
-    let text = page("estimators");
+    let text = page("ESTIMATORS");
     for (scene, holds) in [
         ("viscoelastic", true),
         ("law-linear", true),
@@ -78,7 +78,7 @@ fn the_errors_of_the_page_of_static_contact_are_those_of_the_baseline() {
     let path = format!("{}/reports/baseline.json", env!("CARGO_MANIFEST_DIR"));
     let baseline = std::fs::read_to_string(path).expect("the baseline");
     let baseline: serde_json::Value = serde_json::from_str(&baseline).expect("JSON");
-    let text = page("static");
+    let text = page("STATIC");
     for scene in ["static-bilateral", "static-oblique", "static-rough"] {
         let [_, n, errors, _] = row(&text, scene).try_into().expect("four cells");
         let cases = baseline["scenes"][scene]["cases"].as_array().expect("cases");
