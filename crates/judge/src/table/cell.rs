@@ -340,6 +340,19 @@ pub(super) fn is_norm(name: &str) -> bool {
     matches!(role(name), Role::Wide | Role::Error | Role::Value)
 }
 
+/// Whether a name speaks of an error or a norm; `max` or `stress` may be those of a result.
+pub(super) fn says_error(name: &str) -> bool {
+    let normalised = normal(name);
+    let words = ["err", "norm", "diff", "dist", "rms", "e", "eu", "ep", "eh"];
+    let (parts, whole) = words.split_at(5);
+    parts.iter().any(|part| normalised.contains(part))
+        || whole.contains(&&*normalised)
+        || SPACES.split(' ').any(|space| normalised.contains(space))
+        || name.contains(['|', '‖', '误', '誤'])
+        || name.contains("Vert")
+        || name.to_lowercase().contains("ошиб")
+}
+
 pub(super) fn is_rate(name: &str) -> bool {
     let normalised = normal(name);
     RATES.split(' ').any(|rate| normalised.contains(rate))

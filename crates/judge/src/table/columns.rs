@@ -4,7 +4,7 @@ use std::collections::{HashMap, HashSet};
 
 use super::cell::{
     Comma, Measure, Number, Role, is_missing, is_norm, is_rate, likeness, named, normal, number,
-    role, sides,
+    role, says_error, sides,
 };
 use super::line::{Block, Cells, is_computed};
 use super::{Quantity, TableError};
@@ -170,6 +170,20 @@ fn are_orders(title: &str, measured: &Measured) -> bool {
     said && all().count() > 2 && least > 0.2 && most < 15.0 && most < 3.0 * least
 }
 
+/// Numbers that change in one direction, by less from row to row, and by less than half in all. An error that is refined
+/// twice does so only where it stagnates.
+fn approach_a_limit(entries: &[f64]) -> bool {
+    let sizes = || entries.iter().map(|entry| entry.abs());
+    let (least, most) = (sizes().fold(f64::MAX, f64::min), sizes().fold(0.0, f64::max));
+    let mut changes: Vec<f64> = entries.windows(2).map(|pair| pair[1] - pair[0]).collect();
+    // Rows may go from fine to coarse.
+    if changes.len() > 1 && changes[0].abs() < changes[1].abs() {
+        changes.reverse();
+    }
+    let shrinks = |pair: &[f64]| pair[0] * pair[1] > 0.0 && pair[1].abs() < 0.8 * pair[0].abs();
+    changes.len() > 1 && most < 1.5 * least && changes.windows(2).all(shrinks)
+}
+
 impl<'a> Reader<'a> {
     fn of(block: &'a Block, reading: &'a Reading) -> Result<Self, TableError> {
         let names: Vec<&str> = block.names.iter().map(String::as_str).collect();
@@ -324,7 +338,7 @@ impl<'a> Reader<'a> {
                 (errors.iter().copied().chain(named).collect(), Quantity::Error)
             }
             (None, Some(_)) => (values.clone(), Quantity::Value),
-            (None, None) => (wide.clone(), Quantity::Error),
+            (None, None) => (self.no_values(&wide)?, Quantity::Error),
         };
         let places: Vec<usize> = places;
         self.refuse_twice(&places)?;
@@ -381,6 +395,28 @@ impl<'a> Reader<'a> {
             measured.push(Measured { norm, entries, signed });
         }
         Ok((measured, quantity))
+    }
+
+    /// Of columns of errors by their names, those whose numbers are no values of a quantity that converges: a largest
+    /// stress may be a value or an error.
+    fn no_values(&self, wide: &[usize]) -> Result<Vec<usize>, TableError> {
+        let asked = |name: &str| self.reading.errors.iter().any(|asked| likeness(asked, name) > 0);
+        let is_value = |at: &usize| {
+            let name = self.name(*at);
+            let entries = || self.column(*at, false).ok()?.into_iter().collect::<Option<Vec<f64>>>();
+            !says_error(name) && !asked(name) && entries().is_some_and(|e| approach_a_limit(&e))
+        };
+        let (values, errors): (Vec<usize>, Vec<usize>) = wide.iter().partition(|at| is_value(at));
+        match (values.first(), errors.is_empty()) {
+            (Some(&at), true) => {
+                let name = self.name(at);
+                let what = format!(
+                    "`{name}` seems to hold values, not errors: it approaches a limit that is not 0. Call the column `value`, or --p '{name}=2' if these are errors"
+                );
+                Err(TableError::at(self.block.line, what))
+            }
+            _ => Ok(errors),
+        }
     }
 
     /// Whether the numbers of a column fall from row to row.

@@ -302,3 +302,17 @@ fn a_norm_finds_its_column_in_typeset_form() {
     assert_eq!(named("H1", &["h", "|u-u_h|_{L^2}", "|u-u_h|_{H^1}"]), Ok(2));
     assert!(named("H1", &["h", "|u-u_h|_{L^2}"]).is_err());
 }
+
+#[test]
+fn values_under_a_name_of_errors_are_refused() {
+    let log = "h = 0.1, max deflection uz = -3.4121\nh = 0.05, max deflection uz = -3.5712\nh = 0.025, max deflection uz = -3.6115\n";
+    let said = tables(log, None).err().unwrap_or_default();
+    assert!(said.contains("`max deflection uz` seems to hold values, not errors"), "{said}");
+    let asked = Reading { errors: vec!["max deflection uz".into()], ..Reading::default() };
+    assert!(read(log.as_bytes(), &asked).is_ok());
+    // Beside errors values are left out, and an error that stagnates stays one.
+    let both = "h max_stress diff\n0.1 11.2 9.6\n0.05 12.1 2.6\n0.025 12.3 0.7\n";
+    let found = plain(both, None);
+    assert!(found.len() == 1 && found[0].1[2] == (0.025, 0.7), "{found:?}");
+    assert!(tables("h,L2\n0.1,0.024\n0.05,0.0238\n0.025,0.0237\n", None).is_ok());
+}
