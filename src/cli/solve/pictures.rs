@@ -163,7 +163,7 @@ impl Pictures {
         let picture = SpaceTime {
             title: format!("{}: contact state on Γ3", self.name),
             subtitle: format!(
-                "{}; a discrete edge is locked if both ends are locked, and compliant if one end is under pressure",
+                "{}; an edge is locked if both ends are, and compliant if one end is under pressure",
                 self.grid
             ),
             panels,
