@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 
 Decision = Literal["pass", "fail", "unresolved"]
 
-_COLOURS = {"pass": "#1a7f37", "fail": "#c62828", "unresolved": "#9a6700", None: "#57606a"}
+_COLOURS = {"pass": "#2b8a3e", "fail": "#d9363e", "unresolved": "#a87000", None: "#787f87"}
 
 
 @dataclass(frozen=True)

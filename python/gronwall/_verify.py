@@ -139,12 +139,14 @@ def verify(
     Exception
         What ``solve`` raises, as it was raised.
     """
+    __tracebackhide__ = True
     import numpy
 
     if loads not in ("assembled", "density"):
         raise ValueError(f'loads={loads!r}: "assembled" or "density"')
 
     def answer(raw: dict[str, Any]) -> Any:
+        __tracebackhide__ = True
         case = _case(raw, numpy)
         found = solve(case)
         if not pressure:
@@ -203,6 +205,8 @@ def _case(raw: dict[str, Any], numpy: Any) -> Case:
 
 
 def _array(numpy: Any, found: Any, shape: tuple[int, ...], what: str) -> bytes:
+    __tracebackhide__ = True
+
     def masked(part: Any) -> bool:
         # An array of masked arrays has no mask itself.
         return numpy.ma.is_masked(part) or isinstance(part, (list, tuple)) and any(map(masked, part))
