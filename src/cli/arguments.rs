@@ -20,7 +20,7 @@ use studies::theory::STUDIES;
     name = "sweep",
     version,
     max_term_width = 120,
-    after_help = "Without a command, sweep runs its own scenes, prints the verdicts and writes reports/latest/.\n\nExamples:\n  sweep                                      the main job; then open reports/latest/index.html\n  sweep list                                 what there is\n  sweep run pure-mild affine --out reports/two\n  sweep check punch                          what holds of a scene, and what it requires\n  sweep solve punch --n 16 --steps 16 --pictures reports/punch\n  sweep fit table.csv --p 1                  orders of anybody's errors\n\nExit codes: 0 all verdicts are as expected, 1 a verdict is not as expected, 2 nothing could be judged. Colour is used only on a terminal, and never if NO_COLOR is set."
+    after_help = "Without a command, sweep runs its own scenes, prints the verdicts and writes reports/latest/.\n\nExamples:\n  sweep                                      the main job; then open reports/latest/index.html\n  sweep list                                 what there is\n  sweep run pure-mild affine --out reports/two\n  sweep check punch                          which hypotheses a scene satisfies, and its memory\n  sweep solve punch --n 16 --steps 16 --pictures reports/punch\n  sweep fit table.csv --p 1                  orders of your own errors\n\nExit codes: 0 all verdicts are as expected, 1 a verdict is not as expected, 2 nothing could be judged. Colour is used only on a terminal, and never if NO_COLOR is set."
 )]
 pub(super) struct Arguments {
     /// Folder of the scenes [default: manufactured, where that folder is; else those inside the program]

@@ -22,7 +22,7 @@ use serde_json::{Value, json};
 /// `sweep fit`.
 #[derive(Args)]
 #[command(
-    after_help = "The table may be as a program prints it or a paper sets it, with prose, log lines and other tables around it. Columns may be separated by \
+    after_help = "The table may be copied from a program's output or from a paper, with prose, log lines and other tables around it. Columns may be separated by \
 comma, semicolon, tab, blanks or |; LaTeX, lines of `name = value`, lists and transposed tables are read too. The last line says what was read \
 and what was left out. Sizes: h, dx or hmax; k, dt or tau; n or N and steps, which are 1/h and 1/k; cells or dofs with --dimension; level, \
 where h = 2^-level; none with --ratio. Errors: error, norms side by side (L2, H1, Linf, energy, error_u, ...), and every column that \
@@ -71,7 +71,7 @@ pub(crate) struct Fit {
     /// where the table has no h
     #[arg(long, value_name = "H", allow_hyphen_values = true)]
     reference: Option<f64>,
-    /// What an error can be without saying anything: rounding, tolerance of the solver. Errors below 20 F are left out
+    /// Part of the errors that is not from discretisation: rounding, tolerance of the solver. Errors below 20 F are left out
     #[arg(long, value_name = "F", allow_hyphen_values = true)]
     floor: Option<f64>,
     /// Dimension of the mesh, where its size is a number of cells or unknowns: h = cells^(-1/D)
