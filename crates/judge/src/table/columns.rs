@@ -403,7 +403,8 @@ impl<'a> Reader<'a> {
         let asked = |name: &str| self.reading.errors.iter().any(|asked| likeness(asked, name) > 0);
         let is_value = |at: &usize| {
             let name = self.name(*at);
-            let entries = || self.column(*at, false).ok()?.into_iter().collect::<Option<Vec<f64>>>();
+            let entries =
+                || self.column(*at, false).ok()?.into_iter().collect::<Option<Vec<f64>>>();
             !says_error(name) && !asked(name) && entries().is_some_and(|e| approach_a_limit(&e))
         };
         let (values, errors): (Vec<usize>, Vec<usize>) = wide.iter().partition(|at| is_value(at));
