@@ -35,9 +35,17 @@ fn predicted(verdict: &Verdict) -> String {
     format!("{bound}{}{order_k}", verdict.predicted)
 }
 
+/// Two digits after the point, and no zero with a sign.
+fn short(value: f64) -> String {
+    let text = format!("{value:.2}");
+    if text == "-0.00" { "0.00".into() } else { text }
+}
+
 fn observed(verdict: &Verdict) -> String {
     let text = |order: Option<f64>, interval: Option<[f64; 2]>| {
-        order.zip(interval).map(|(order, [lo, hi])| format!("{order:.2} [{lo:.2}, {hi:.2}]"))
+        order
+            .zip(interval)
+            .map(|(order, [lo, hi])| format!("{} [{}, {}]", short(order), short(lo), short(hi)))
     };
     let both =
         [text(verdict.observed, verdict.interval), text(verdict.observed_k, verdict.interval_k)];
