@@ -55,6 +55,8 @@ pub(super) struct ConstantComparison {
     pub(super) constant: FittedConstant,
     pub(super) decision: Decision,
     pub(super) sentence: String,
+    /// What may be wrong if the order holds; empty unless the constant fails.
+    pub(super) blame: String,
     /// If the three finest cases have the leading error: its order.
     pub(super) leading_order: Option<f64>,
 }
@@ -98,7 +100,7 @@ pub(super) fn compare_constant(
         ..fitted
     };
     let previous = pairs.len().checked_sub(2).map(|at| pairs[at].1);
-    let (decision, sentence) =
+    let (decision, sentence, blame) =
         decide(ratio, previous, line.tolerance, direction, in_the_way, prediction.unique);
     let finest = &pairs[pairs.len().saturating_sub(FEWEST)..];
     let ratio_of_steps = finest[0].0.step / finest[finest.len() - 1].0.step;
@@ -106,7 +108,7 @@ pub(super) fn compare_constant(
     let within = |(_, ratio): &(Sample, f64)| (ratio - 1.0).abs() <= near;
     let agree = finest.len() == FEWEST && finest.iter().all(within);
     let leading_order = local_slopes(&samples).last().copied().filter(|_| agree);
-    Some(ConstantComparison { constant, decision, sentence, leading_order })
+    Some(ConstantComparison { constant, decision, sentence, blame, leading_order })
 }
 
 /// The trapezoidal rule on smooth data has even terms, k² (1 + D k²): where order 2 is predicted in time. Elsewhere the
@@ -128,7 +130,7 @@ fn decide(
     direction: Direction,
     in_the_way: Direction,
     unique: bool,
-) -> (Decision, String) {
+) -> (Decision, String, String) {
     let (name, cause) = match direction {
         Direction::Space => ("C_h", "h, a load, a rule or a norm"),
         Direction::Time => ("C_k", "k, a weight or the kernel"),
@@ -141,19 +143,19 @@ fn decide(
     let off = ratio.ln();
     let drift = previous.map_or(0.0, |previous| 2.0 * (off - previous.ln()).abs());
     if (ratio - 1.0).abs() <= tolerance {
-        (Decision::Pass, sentence)
+        (Decision::Pass, sentence, String::new())
     } else if off.abs() - drift <= tolerance.ln_1p() && off.is_finite() {
         let open = format!("beyond {percent} % and still drifting: use {cure} to decide");
-        (Decision::Unresolved, format!("{sentence}, {open}"))
+        (Decision::Unresolved, format!("{sentence}, {open}"), String::new())
     } else {
-        let missed = match unique {
-            true => format!("beyond {percent} %: {cause} is off by a factor"),
+        let blame = match unique {
+            true => format!(": {cause} is off by a factor"),
             // With several solutions each may be right, with a different error.
             false => format!(
-                "beyond {percent} %: uniqueness is not guaranteed, (2.9) or (3.4) is violated, and another solution may have been followed; else {cause} is off by a factor"
+                ": uniqueness is not guaranteed, (2.9) or (3.4) is violated, and another solution may have been followed; else {cause} is off by a factor"
             ),
         };
-        (Decision::Fail, format!("{sentence}, {missed}"))
+        (Decision::Fail, format!("{sentence}, beyond {percent} %"), blame)
     }
 }
 

@@ -79,15 +79,18 @@ fn compare_with(
     };
     let used = &selection.used;
     let compared = compare_constant(fitted, used, line, prediction, direction, in_the_way);
-    let Some(ConstantComparison { constant, decision, sentence, leading_order }) = compared else {
+    let Some(ConstantComparison { constant, decision, sentence, blame, leading_order }) = compared
+    else {
         return;
     };
     finding.constants.insert(name, constant);
-    finding.reason = format!("{}; {sentence}", finding.reason);
+    // Errors of another order are off by another factor on every case, and no factor is to blame.
+    let blame = if finding.order == Decision::Fail { String::new() } else { blame };
+    finding.reason = format!("{}; {sentence}{blame}", finding.reason);
     finding.constant = Some(ConstantClaim {
         name,
         decision,
-        reason: sentence.clone(),
+        reason: format!("{sentence}{blame}"),
         owed: prediction.constant_owed,
         decides: false,
     });
