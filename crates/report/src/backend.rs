@@ -193,7 +193,12 @@ fn set(words: &str, size: f64) -> String {
         let dy = there + std::mem::replace(&mut back, -there);
         match (there == 0.0, dy == 0.0) {
             (true, true) => text,
-            (true, false) => format!("<tspan dy=\"{dy}\">{text}</tspan>"),
+            // Some viewers drop a blank at the start of a piece.
+            (true, false) => {
+                let text =
+                    text.strip_prefix(' ').map_or(text.clone(), |rest| format!("\u{a0}{rest}"));
+                format!("<tspan dy=\"{dy}\">{text}</tspan>")
+            }
             (false, _) => format!("<tspan dy=\"{dy}\" font-size=\"{small}\">{text}</tspan>"),
         }
     };
