@@ -160,9 +160,11 @@ fn reproduction(report: &Report<'_>) -> Section {
         ),
     ]);
     let scene = report.scenes.first().map_or("SCENE".into(), |drawn| quoted(&drawn.scene.name));
-    section.blocks.push(Block::Code(format!(
-        "sweep report DIR\nsweep run {scene} --out reports/again\nsweep check {scene}"
-    )));
+    let again = match by_verify(report.provenance) {
+        true => format!("sweep verify {scene} --solver COMMAND --out reports/again"),
+        false => format!("sweep run {scene} --out reports/again"),
+    };
+    section.blocks.push(Block::Code(format!("sweep report DIR\n{again}\nsweep check {scene}")));
     section.words(
         "Records do not depend on the number of threads, bit for bit, except for the columns of seconds.",
     );
