@@ -37,8 +37,10 @@ pub struct Series {
     /// More lines below the name.
     pub detail: String,
     pub parts: Vec<Part>,
-    /// Grey for what belongs to all series; else the next colour.
+    /// Grey for what belongs to all series.
     pub grey: bool,
+    /// Colour and shape by number, so that a norm has the same ones in every picture; else the next.
+    pub ink: Option<usize>,
     /// A triangle of the predicted order near it, if both axes are logarithmic.
     pub slope: Option<Slope>,
 }
@@ -223,8 +225,9 @@ impl Chart {
             if series.grey {
                 return (INK, 0);
             }
-            next += 1;
-            (colour(next - 1), next - 1)
+            let at = series.ink.unwrap_or(next);
+            next += usize::from(series.ink.is_none());
+            (colour(at), at)
         };
         self.series.iter().map(ink).collect()
     }

@@ -7,7 +7,8 @@ use crate::chart::{Axis, Chart, Datum, Part, Series, Slope};
 use crate::ruler::Scale;
 use judge::fit::Direction;
 use judge::record::{
-    CONTACT_SET_MAX, CaseRecord, V_TIME_MAX, is_by_state, norm_label, norm_label_in_time, norm_rank,
+    CONTACT_SET_MAX, CaseRecord, NORMS, V_TIME_MAX, is_by_state, norm_label, norm_label_in_time,
+    norm_rank,
 };
 use judge::verdict::{JudgedPoint, Variable, Verdict, cell_texts, line_points, most_frequent};
 
@@ -61,7 +62,8 @@ pub fn convergence_svg(
         let mut parts = vec![Part::Line(curve.used.clone()), Part::Points(curve.used.clone())];
         parts.extend(rest.into_iter().filter(|part| !part.points().is_empty()));
         let detail = [named(curve), judged].into_iter().flatten().collect::<Vec<_>>().join("\n");
-        Series { detail, slope: curve.slope(), ..Series::new(label(curve.norm), parts) }
+        let (slope, ink) = (curve.slope(), ink(curve.norm));
+        Series { detail, slope, ink, ..Series::new(label(curve.norm), parts) }
     };
     chart.series = curves.iter().map(series).collect();
     // Signs that occur are explained.
@@ -240,8 +242,20 @@ pub(super) fn thumbnail_svg(
 fn small(curve: Curve<'_>) -> Series {
     let order = curve.verdict.and_then(|verdict| verdict.observed);
     let name = order.map_or(String::new(), |order| format!("{} {order:.2}", symbol(curve.norm)));
-    let Curve { used, left_out, .. } = curve;
-    Series::new(name, vec![Part::Line(used.clone()), Part::Points(used), Part::Hollow(left_out)])
+    let Curve { norm, used, left_out, .. } = curve;
+    let parts = vec![Part::Line(used.clone()), Part::Points(used), Part::Hollow(left_out)];
+    Series { ink: ink(norm), ..Series::new(name, parts) }
+}
+
+/// The number of a norm's colour and shape, the same in every picture. V_time is drawn more often than the distance of
+/// the locked sets.
+fn ink(norm: &str) -> Option<usize> {
+    let rank = norm_rank(match norm {
+        V_TIME_MAX => CONTACT_SET_MAX,
+        CONTACT_SET_MAX => V_TIME_MAX,
+        norm => norm,
+    });
+    (rank < NORMS.len()).then_some(rank)
 }
 
 /// A short symbol of a norm.
