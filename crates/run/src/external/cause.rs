@@ -160,11 +160,17 @@ fn of_body(left: &Left<'_>, off: &[f64]) -> Found {
     let unsolved: Vec<String> =
         (1..off.len()).filter(|&n| off[n] > left.sound).map(|n| n.to_string()).collect();
     let levels = format!("levels {} are not solved to the end, as others are", unsolved.join(", "));
+    let past = off[0] <= left.sound && within(2.2, &left.remembered(&left.histories));
+    // A wrong sum over the past shows on all levels from the first on that it reaches.
+    let to_the_end = off.iter().rev().take(unsolved.len()).all(|&off| off > left.sound);
     let (cause, says) = match () {
-        () if unsolved.len() + 1 < off.len() && left.setup.model.projection.is_none() => {
+        () if unsolved.len() + 1 < off.len()
+            && left.setup.model.projection.is_none()
+            && !(past && to_the_end) =>
+        {
             (Cause::Levels, levels.as_str())
         }
-        () if off[0] <= left.sound && within(2.2, &left.remembered(&left.histories)) => {
+        () if past => {
             (Cause::Memory, "the memory: weights, kernel, tensor or sign of the sums over the past")
         }
         () if within(1.1, &left.projected(&left.kappa, false)) => {
@@ -187,7 +193,7 @@ fn plain(q: &dyn HistoryKernel, grid: &TimeGrid, n: usize, j: usize) -> f64 {
 }
 
 /// Sums over the past that are often written in place of the right ones.
-const SUMS: [(&str, Weight); 13] = [
+const SUMS: [(&str, Weight); 14] = [
     ("is left out", |_, _, _, _, _| 0.0),
     ("has the other sign", |_, _, _, _, own| -own),
     ("is summed by the right-hand rectangle rule", |q, grid, n, j, _| match j {
@@ -221,6 +227,14 @@ const SUMS: [(&str, Weight); 13] = [
     ("leaves out the level t = 0", |_, _, _, j, own| if j == 0 { 0.0 } else { own }),
     ("keeps its last term alone", |_, _, n, j, own| if j == n { own } else { 0.0 }),
     ("is summed by the trapezoidal rule", |q, grid, n, j, _| plain(q, grid, n, j)),
+    ("is of u_(j-1) in place of u_j, but for the level itself", |q, grid, n, j, _| {
+        let first = if j == 0 && n > 0 { plain(q, grid, n, 0) } else { 0.0 };
+        match n - j {
+            0 => plain(q, grid, n, n),
+            1 => first,
+            _ => first + plain(q, grid, n, j + 1),
+        }
+    }),
 ];
 
 /// The kernel of ζ.
@@ -439,6 +453,10 @@ fn of_tensors(left: &Left<'_>, offer: &mut Offer<'_>) {
     };
     let columns: Vec<_> = lame.into_iter().flat_map(of).collect();
     offer(Cause::Elasticity, false, &columns, &|_| "the tensors of elasticity and memory".into());
+    let mut shear = [[0.0; 6]; 6];
+    (d..d * (d + 1) / 2).for_each(|a| shear[a][a] = 1.0);
+    let says = "the tensors have other shear entries: sigma12 = 2 mu eps12, which is mu gamma12 where a matrix takes gamma12 = 2 eps12";
+    offer(Cause::Elasticity, false, &of(FourthOrder::Full(shear)), &|_| says.into());
 }
 
 /// The words where all nodes that are out of balance lie on planes of symmetry, and do not move.
