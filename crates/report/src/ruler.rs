@@ -107,10 +107,12 @@ fn steps([lo, hi]: [f64; 2], levels: &[f64], room: Room) -> ([f64; 2], Vec<Tick>
     let mut free_from = f64::NEG_INFINITY;
     let ticks = levels.iter().map(|&at| {
         let free = place(at) >= free_from;
-        if free {
-            free_from = place(at) + room.label;
+        let label = free.then(|| step_label(at));
+        if let Some(label) = &label {
+            // `room.label` is that of five characters, as in 1/128.
+            free_from = place(at) + room.label * (label.chars().count() as f64 / 5.0).max(1.0);
         }
-        Tick { at, label: free.then(|| step_label(at)) }
+        Tick { at, label }
     });
     let ticks = ticks.collect();
     (ends, ticks)
