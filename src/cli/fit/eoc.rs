@@ -109,7 +109,17 @@ fn table(groups: &[&Group], direction: Direction, style: Style<'_>) -> String {
                     order.map_or("-".into(), |order| format!("{order:.2}")),
                 ]
             });
-        let steps = std::iter::once(plain(step(row))).chain(along.then(|| plain(row.k)));
+        // A paper has room for 1/64 in full.
+        let written = |size: f64| match digits(size, 7) {
+            full if matches!(style, Style::Latex(_))
+                && !full.contains('e')
+                && full.parse::<f64>() == Ok(size) =>
+            {
+                full
+            }
+            _ => plain(size),
+        };
+        let steps = std::iter::once(written(step(row))).chain(along.then(|| written(row.k)));
         steps.chain(cells).collect::<Vec<String>>()
     };
     let rows: Vec<Vec<String>> = rows.iter().map(row).collect();
