@@ -7,6 +7,7 @@ use super::cell::{
     role, sides,
 };
 use super::line::{Block, Cells, is_computed};
+use super::guess::{by_numbers, fall};
 use super::{Quantity, TableError};
 use crate::fit::is_step;
 use files::counted;
@@ -73,7 +74,7 @@ pub(super) struct Columns {
     pub(super) said: String,
 }
 
-fn listed(names: impl IntoIterator<Item = impl AsRef<str>>) -> String {
+pub(super) fn listed(names: impl IntoIterator<Item = impl AsRef<str>>) -> String {
     let names: Vec<String> = names.into_iter().map(|n| format!("`{}`", n.as_ref())).collect();
     let more = names.len().saturating_sub(8);
     let rest = if more > 0 { format!(" and {more} more") } else { String::new() };
@@ -199,6 +200,9 @@ impl<'a> Reader<'a> {
             let at = named(asked, &names).map_err(|what| missing(format!("--by: {what}")))?;
             roles[at] = Role::Parameter;
         }
+        let mut notes = Vec::new();
+        let measures = [Role::Error, Role::Value, Role::Wide];
+        let counted = by_numbers(block, reading, &mut roles, &mut notes);
         // What a rate follows is an error, whatever its name; of several such the caller may name some.
         for at in 1..roles.len() {
             if roles[at - 1] == Role::Unknown && is_rate(names[at]) && reading.errors.is_empty() {
@@ -207,8 +211,6 @@ impl<'a> Reader<'a> {
         }
         // Below a title that speaks of errors they are what has no other name.
         let sized = roles.iter().any(|role| matches!(role, Role::Space(_) | Role::Time(_)));
-        let measures = [Role::Error, Role::Value, Role::Wide];
-        let mut notes = Vec::new();
         if sized && is_norm(&block.title) && !roles.iter().any(|role| measures.contains(role)) {
             for role in roles.iter_mut().filter(|role| **role == Role::Unknown) {
                 *role = Role::Wide;
@@ -249,6 +251,14 @@ impl<'a> Reader<'a> {
         let errors = roles.iter().any(|role| matches!(role, Role::Error | Role::Value));
         if let Some(at) = roles.iter().position(|role| *role == Role::Norm && !errors) {
             roles[at] = Role::Wide;
+        }
+        // A size by its numbers is one where errors fall with it.
+        if let Some((at, forward)) = counted {
+            let falls = |of: usize| measures.contains(&roles[of]) && fall(&block.rows, of, forward).is_some();
+            match (0..roles.len()).any(falls) {
+                true => notes.insert(0, format!("`{}` taken for a size by its numbers", names[at])),
+                false => roles[at] = Role::Unknown,
+            }
         }
         let cells = block.rows.iter().flat_map(|row| &row.cells);
         let mut commas = cells.filter(|cell| cell.contains(','));
@@ -316,10 +326,7 @@ impl<'a> Reader<'a> {
         };
         let wide = all(Role::Wide);
         let (places, quantity) = match (errors.first(), values.first()) {
-            (Some(_), Some(_)) => {
-                return fail("both `error` and `value`: which of them is judged?".into());
-            }
-            (Some(_), None) => {
+            (Some(_), _) => {
                 let named = wide.iter().copied().filter(asked);
                 (errors.iter().copied().chain(named).collect(), Quantity::Error)
             }
@@ -353,7 +360,7 @@ impl<'a> Reader<'a> {
         }
         self.left_out = (0..self.roles.len())
             .filter(|at| {
-                matches!(self.roles[*at], Role::Unknown | Role::Ignored | Role::Wide)
+                matches!(self.roles[*at], Role::Unknown | Role::Ignored | Role::Wide | Role::Value)
                     && !places.contains(at)
             })
             .collect();

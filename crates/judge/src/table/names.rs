@@ -40,7 +40,9 @@ pub(super) fn head(
     // `ans =` above a matrix and `error = 0.1` of a log name no columns.
     let assigns = |line: &&&Line| {
         let value = line.text.rsplit_once('=').map(|(_, value)| value.trim());
-        value.is_some_and(|value| value.is_empty() || number(value).is_some())
+        value.is_some_and(|value| {
+            value.split([' ', ',']).all(|word| word.is_empty() || number(word).is_some())
+        })
     };
     let Some(first) = texts.first().filter(|line| !assigns(line)) else {
         return block(Vec::new(), String::new(), rows, left_out);

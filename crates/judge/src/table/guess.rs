@@ -1,0 +1,134 @@
+//! What the numbers of columns say where their names do not.
+
+use super::Reading;
+use super::cell::{Measure, Role, is_norm, number};
+use super::columns::listed;
+use super::line::{Block, Cells, is_word};
+use super::text::known;
+
+/// Sizes that a person takes for such refine by one factor, as far as they are printed.
+const FACTORS_DIFFER: f64 = 0.03;
+/// Unknowns, points and rounded lengths do so less closely.
+const COUNTS_DIFFER: f64 = 0.4;
+/// A larger factor is that of tolerances, of cells in three dimensions, or of samples.
+const LARGEST_FACTOR: f64 = 3.1;
+/// Numbers that fall by less in all may be values of something that tends to a limit.
+const LEAST_FALL: f64 = 4.0;
+const OTHERS: &str = "time cpu wall sec tol iter residual expect predict theor std deviation log memory speed";
+
+/// The numbers of a column without gaps.
+fn numbers(rows: &[Cells], at: usize) -> Option<Vec<f64>> {
+    let numbers = rows.iter().map(|row| number(row.cells.get(at)?).map(|number| number.value));
+    numbers.collect::<Option<Vec<f64>>>().filter(|n| n.len() > 2 && n.iter().all(|n| *n > 0.0))
+}
+
+/// The factor from row to row, if it is about the same everywhere.
+fn factor(numbers: &[f64], differ: f64) -> Option<f64> {
+    let factors = || numbers.windows(2).map(|pair| pair[1] / pair[0]);
+    let first = factors().next()?;
+    factors().all(|factor| (factor / first - 1.0).abs() < differ).then_some(first)
+}
+
+/// What the sizes of a column without such a name are.
+fn size(rows: &[Cells], at: usize) -> Option<Measure> {
+    let numbers = numbers(rows, at)?;
+    let factor = factor(&numbers, FACTORS_DIFFER)?;
+    let whole = numbers.iter().all(|number| number.fract() == 0.0);
+    let sound = factor.max(1.0 / factor) < LARGEST_FACTOR && (factor - 1.0).abs() > 0.2;
+    match (sound, whole, factor > 1.0) {
+        (true, true, true) => Some(Measure::Number),
+        (true, false, _) => Some(Measure::Length),
+        _ => None,
+    }
+}
+
+/// Whether the rows refine from first to last, or from last to first, at one rate.
+fn refines(rows: &[Cells], at: usize, measure: Measure) -> Option<bool> {
+    if measure == Measure::Level {
+        return Some(true);
+    }
+    let factor = factor(&numbers(rows, at)?, COUNTS_DIFFER)?;
+    ((factor - 1.0).abs() > 0.2).then_some((factor > 1.0) != (measure == Measure::Length))
+}
+
+/// By how much the numbers of a column fall towards the finest row, if they do in each.
+pub(super) fn fall(rows: &[Cells], at: usize, forward: bool) -> Option<f64> {
+    let mut numbers = numbers(rows, at)?;
+    if !forward {
+        numbers.reverse();
+    }
+    let falling = numbers.windows(2).all(|pair| pair[1] < pair[0]);
+    falling.then(|| numbers[0] / numbers[numbers.len() - 1])
+}
+
+/// Whether a column falls as errors do: not by one factor, which powers of a size do, nor by so little as values may.
+fn is_error(rows: &[Cells], at: usize, forward: bool, name: &str) -> bool {
+    let other = OTHERS.split(' ').any(|other| name.to_lowercase().contains(other));
+    let powers = || numbers(rows, at).is_none_or(|numbers| factor(&numbers, 0.005).is_some());
+    !other && fall(rows, at, forward).is_some_and(|fall| fall > LEAST_FALL) && !powers()
+}
+
+/// Sizes and errors that no name says, by their numbers: the place of such a size, and whether the rows refine from first to last.
+pub(super) fn by_numbers(
+    block: &Block,
+    reading: &Reading,
+    roles: &mut [Role],
+    notes: &mut Vec<String>,
+) -> Option<(usize, bool)> {
+    let rows = &block.rows;
+    let unknown = |role: &Role| *role == Role::Unknown;
+    let sized = |role: &Role| match *role {
+        Role::Space(measure) | Role::Time(measure) => Some(measure),
+        _ => None,
+    };
+    let mut counted = None;
+    if roles.iter().all(|role| sized(role).is_none()) && reading.ratio.is_none() {
+        let mut open = (0..roles.len()).filter(|&at| unknown(&roles[at]));
+        counted = open.find_map(|at| size(rows, at).map(|measure| (at, measure)));
+        if let Some((at, measure)) = counted {
+            roles[at] = Role::Space(measure);
+        }
+    }
+    let sizes = roles.iter().enumerate().filter_map(|(at, role)| Some((at, sized(role)?)));
+    let mut forward = sizes.filter_map(|(at, measure)| refines(rows, at, measure));
+    // Rows without sizes refine as they stand.
+    let forward = forward.next().or(roles.iter().all(|role| sized(role).is_none()).then_some(true));
+    let named = roles.iter().any(|role| matches!(role, Role::Error | Role::Value | Role::Wide));
+    if let Some(forward) = forward.filter(|_| !named && !is_norm(&block.title)) {
+        let falls =
+            |at: &usize| unknown(&roles[*at]) && is_error(rows, *at, forward, &block.names[*at]);
+        let falling: Vec<usize> = (0..roles.len()).filter(falls).collect();
+        if !falling.is_empty() {
+            let names = listed(falling.iter().map(|&at| &block.names[at]));
+            notes.push(format!("{names} taken for errors because they fall"));
+            falling.into_iter().for_each(|at| roles[at] = Role::Wide);
+        }
+    }
+    counted.map(|(at, _)| (at, forward.unwrap_or(true)))
+}
+
+/// A block without names, its columns numbered; a few long rows lie on their side.
+pub(super) fn unnamed(block: Block) -> Option<Block> {
+    let width = block.rows.first()?.cells.len();
+    let sound = |row: &Cells| row.cells.len() == width && !row.cells.iter().any(|cell| is_word(cell));
+    let named = width > 1 && (block.names.len() == width || known(&block) > 0);
+    if named || !block.rows.iter().all(sound) {
+        return None;
+    }
+    let title = block.names.join(" ");
+    let name = |at: usize| format!("column {}", at + 1);
+    let named = if width > 2 * block.rows.len() {
+        let columns = block.rows.iter().enumerate().map(|(at, row)| (name(at), row.cells.clone()));
+        Block::of_columns(block.line, block.end, columns.collect())
+    } else {
+        Block { names: (0..width).map(name).collect(), ..block }
+    };
+    Some(Block { title, ..named })
+}
+
+/// Whether a column without a name is one of errors.
+pub(super) fn has_errors(block: &Block) -> bool {
+    let mut roles = vec![Role::Unknown; block.names.len()];
+    by_numbers(block, &Reading::default(), &mut roles, &mut Vec::new());
+    roles.contains(&Role::Wide)
+}
