@@ -115,7 +115,8 @@ pub(super) fn sides<'a>(cells: impl Iterator<Item = &'a str>) -> Option<Vec<f64>
     let side = |cell: &str| {
         let cell = cell.trim_matches(['$', '`', '*', ' ']).replace('×', "x");
         if cell.contains('x') {
-            let sides: Option<Vec<f64>> = cell.split('x').map(|side| side.trim().parse().ok()).collect();
+            let sides: Option<Vec<f64>> =
+                cell.split('x').map(|side| side.trim().parse().ok()).collect();
             let sides = sides?;
             let first = shape.get_or_insert_with(|| sides.clone());
             // `21x41` below `11x21` has one shape with it.
@@ -275,6 +276,10 @@ pub(super) fn role(name: &str) -> Role {
     {
         return role;
     }
+    let power = bare.trim_start_matches([' ', '$', '`']);
+    if ["h^", "dx^", "dt^", "h²"].iter().any(|h| power.starts_with(h)) {
+        return Role::Ignored;
+    }
     // `h||` is what is left of a norm.
     let bars = name.contains("||") || name.contains('‖');
     let bars = bars || name.matches('|').count() > 1 && name.contains('-') || name.contains("Vert");
@@ -310,7 +315,7 @@ pub(super) fn role(name: &str) -> Role {
         _ if measures() || NORMS.contains(&*normalised) || bars => Role::Wide,
         _ => {
             let known = |word: &str| {
-                SPACES.split(' ').any(|space| word.contains(space))
+                SPACES.split(' ').any(|space| of_space(word, space))
                     || word.len() > 2 && NORMS.contains(word)
             };
             let words = |text: &str| text.split(|c: char| !c.is_alphanumeric()).any(known);
@@ -320,6 +325,14 @@ pub(super) fn role(name: &str) -> Role {
             }
         }
     }
+}
+
+/// Whether a word names a space: `eL2` and `errL2` do, `RKL1` does not.
+fn of_space(word: &str, space: &str) -> bool {
+    let before = word
+        .split_once(space)
+        .map(|(before, _)| before.trim_start_matches(|c: char| !c.is_alphabetic()));
+    before.is_some_and(|b| b.len() < 2 || !b.starts_with("rk"))
 }
 
 /// A name that begins or ends with that of a size: `mesh size h`, `coarse_res`.

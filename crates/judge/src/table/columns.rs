@@ -6,8 +6,8 @@ use super::cell::{
     Comma, Measure, Number, Role, is_missing, is_norm, is_rate, likeness, named, normal, number,
     role, sides,
 };
-use super::line::{Block, Cells, is_computed};
 use super::guess::{by_numbers, fall};
+use super::line::{Block, Cells, is_computed};
 use super::{Quantity, TableError};
 use crate::fit::is_step;
 use files::counted;
@@ -162,6 +162,11 @@ impl Columns {
     }
 }
 
+/// Whether a title says that errors stand below it; `rate error` is the error of a rate.
+pub(super) fn of_errors(title: &str) -> bool {
+    is_norm(title) || title.to_lowercase().contains("rate error")
+}
+
 /// Numbers between 0.2 and 15 that change by less than a factor of three, below a line that speaks of rates. An error that is refined
 /// twice changes by more, unless its order is below 0.8.
 fn are_orders(title: &str, measured: &Measured) -> bool {
@@ -211,7 +216,7 @@ impl<'a> Reader<'a> {
         }
         // Below a title that speaks of errors they are what has no other name.
         let sized = roles.iter().any(|role| matches!(role, Role::Space(_) | Role::Time(_)));
-        if sized && is_norm(&block.title) && !roles.iter().any(|role| measures.contains(role)) {
+        if sized && of_errors(&block.title) && !roles.iter().any(|role| measures.contains(role)) {
             for role in roles.iter_mut().filter(|role| **role == Role::Unknown) {
                 *role = Role::Wide;
                 notes = vec![format!("errors because `{}` stands above", block.title)];
@@ -254,7 +259,9 @@ impl<'a> Reader<'a> {
         }
         // A size by its numbers is one where errors fall with it.
         if let Some((at, forward)) = counted {
-            let falls = |of: usize| measures.contains(&roles[of]) && fall(&block.rows, of, forward).is_some();
+            let falls = |of: usize| {
+                measures.contains(&roles[of]) && fall(&block.rows, of, forward).is_some()
+            };
             match (0..roles.len()).any(falls) {
                 true => notes.insert(0, format!("`{}` taken for a size by its numbers", names[at])),
                 false => roles[at] = Role::Unknown,
@@ -465,7 +472,7 @@ impl<'a> Reader<'a> {
         let refined = |size: &Size| {
             size.measure == Measure::Length || size.steps.iter().any(|step| *step != size.steps[0])
         };
-        if found.iter().any(refined) {
+        if found.iter().any(refined) || self.block.rows.len() > 2 {
             self.left_out.extend(found.iter().filter(|size| !refined(size)).map(|size| size.at));
             found.retain(refined);
         }
@@ -596,6 +603,9 @@ impl<'a> Reader<'a> {
                     "no level of refinement: call the column n if it counts cells along a side"
                 }
                 Measure::Level => return Ok(ratio.powf(-number)),
+                _ if number.is_nan() && row.cells[at].contains('x') => {
+                    "no mesh of the shape of the others"
+                }
                 _ if !is_step(number) => "no step size, which is positive",
                 _ if counts && number.fract() != 0.0 => {
                     "no whole number, which a count is: call it h or k if it is a step"
@@ -604,7 +614,8 @@ impl<'a> Reader<'a> {
                 Measure::Number => return Ok(1.0 / number),
                 Measure::Length => return Ok(number),
             };
-            Err(TableError::at(row.line, format!("{name} = {number} is {why}")))
+            let cell = if number.is_nan() { row.cells[at].clone() } else { number.to_string() };
+            Err(TableError::at(row.line, format!("{name} = {cell} is {why}")))
         };
         numbers.into_iter().zip(&self.block.rows).map(step).collect()
     }
@@ -757,7 +768,8 @@ impl<'a> Reader<'a> {
         }
         let what = if columns.quantity == Quantity::Value { "values" } else { "errors" };
         let names = columns.measured.iter().map(|m| m.norm.as_deref());
-        let single = self.roles.iter().position(|r| matches!(r, Role::Error | Role::Value));
+        let place = |role| self.roles.iter().position(|known| *known == role);
+        let single = place(Role::Error).or(place(Role::Value));
         let single = single.map_or("error", |at| self.name(at));
         read.push(format!("{what} {}", listed(names.map(|name| name.unwrap_or(single)))));
         let mut parts =

@@ -1,20 +1,25 @@
 //! What the numbers of columns say where their names do not.
 
 use super::Reading;
-use super::cell::{Measure, Role, is_norm, number};
-use super::columns::listed;
+use super::cell::{Measure, Role, number};
+use super::columns::{listed, of_errors};
 use super::line::{Block, Cells, is_word};
 use super::text::known;
 
 /// Sizes that a person takes for such refine by one factor, as far as they are printed.
-const FACTORS_DIFFER: f64 = 0.03;
+const FACTORS_DIFFER: f64 = 0.005;
 /// Unknowns, points and rounded lengths do so less closely.
 const COUNTS_DIFFER: f64 = 0.4;
 /// A larger factor is that of tolerances, of cells in three dimensions, or of samples.
 const LARGEST_FACTOR: f64 = 3.1;
 /// Numbers that fall by less in all may be values of something that tends to a limit.
-const LEAST_FALL: f64 = 4.0;
-const OTHERS: &str = "time cpu wall sec tol iter residual expect predict theor std deviation log memory speed";
+const LEAST_FALL: f64 = 3.5;
+/// Beside such a column others that fall by so much are errors, too.
+const LEAST_BESIDE: f64 = 1.5;
+/// The first column of a table without names.
+const UNNAMED: &str = "column 1";
+const OTHERS: &str =
+    "time cpu wall sec tol eps iter residual expect predict theor std deviation log memory speed";
 
 /// The numbers of a column without gaps.
 fn numbers(rows: &[Cells], at: usize) -> Option<Vec<f64>> {
@@ -32,8 +37,8 @@ fn factor(numbers: &[f64], differ: f64) -> Option<f64> {
 /// What the sizes of a column without such a name are.
 fn size(rows: &[Cells], at: usize) -> Option<Measure> {
     let numbers = numbers(rows, at)?;
-    let factor = factor(&numbers, FACTORS_DIFFER)?;
     let whole = numbers.iter().all(|number| number.fract() == 0.0);
+    let factor = factor(&numbers, if whole { 1e-9 } else { FACTORS_DIFFER })?;
     let sound = factor.max(1.0 / factor) < LARGEST_FACTOR && (factor - 1.0).abs() > 0.2;
     match (sound, whole, factor > 1.0) {
         (true, true, true) => Some(Measure::Number),
@@ -61,11 +66,16 @@ pub(super) fn fall(rows: &[Cells], at: usize, forward: bool) -> Option<f64> {
     falling.then(|| numbers[0] / numbers[numbers.len() - 1])
 }
 
-/// Whether a column falls as errors do: not by one factor, which powers of a size do, nor by so little as values may.
-fn is_error(rows: &[Cells], at: usize, forward: bool, name: &str) -> bool {
-    let other = OTHERS.split(' ').any(|other| name.to_lowercase().contains(other));
-    let powers = || numbers(rows, at).is_none_or(|numbers| factor(&numbers, 0.005).is_some());
-    !other && fall(rows, at, forward).is_some_and(|fall| fall > LEAST_FALL) && !powers()
+/// By how much a column below 1 falls that may be one of errors, 0 if it does not; none for powers of a size and what has no number.
+fn fall_of_errors(block: &Block, at: usize, forward: bool) -> Option<f64> {
+    let numbers = numbers(&block.rows, at).filter(|_| !is_other(&block.names[at]))?;
+    let small = numbers.iter().all(|number| *number < 1.0);
+    let fall = fall(&block.rows, at, forward).filter(|_| small).unwrap_or(0.0);
+    factor(&numbers, FACTORS_DIFFER).is_none().then_some(fall)
+}
+
+fn is_other(name: &str) -> bool {
+    OTHERS.split(' ').any(|other| name.to_lowercase().contains(other))
 }
 
 /// Sizes and errors that no name says, by their numbers: the place of such a size, and whether the rows refine from first to last.
@@ -82,8 +92,10 @@ pub(super) fn by_numbers(
         _ => None,
     };
     let mut counted = None;
-    if roles.iter().all(|role| sized(role).is_none()) && reading.ratio.is_none() {
-        let mut open = (0..roles.len()).filter(|&at| unknown(&roles[at]));
+    if roles.iter().all(|role| sized(role).is_none()) && reading.ratio.is_none() && roles.len() > 1
+    {
+        let open = |at: &usize| unknown(&roles[*at]) && !is_other(&block.names[*at]);
+        let mut open = (0..roles.len()).filter(open);
         counted = open.find_map(|at| size(rows, at).map(|measure| (at, measure)));
         if let Some((at, measure)) = counted {
             roles[at] = Role::Space(measure);
@@ -94,11 +106,17 @@ pub(super) fn by_numbers(
     // Rows without sizes refine as they stand.
     let forward = forward.next().or(roles.iter().all(|role| sized(role).is_none()).then_some(true));
     let named = roles.iter().any(|role| matches!(role, Role::Error | Role::Value | Role::Wide));
-    if let Some(forward) = forward.filter(|_| !named && !is_norm(&block.title)) {
-        let falls =
-            |at: &usize| unknown(&roles[*at]) && is_error(rows, *at, forward, &block.names[*at]);
-        let falling: Vec<usize> = (0..roles.len()).filter(falls).collect();
-        if !falling.is_empty() {
+    // Where names say something, they say one of the two, and nothing is beside the errors that does not fall.
+    let bare = block.names[0] == UNNAMED;
+    let open = !named && !of_errors(&block.title) && (bare || counted.is_none());
+    if let Some(forward) = forward.filter(|_| open) {
+        let open = (0..roles.len()).filter(|&at| unknown(&roles[at]));
+        let falls = open.filter_map(|at| Some((at, fall_of_errors(block, at, forward)?)));
+        let falls: Vec<(usize, f64)> =
+            falls.filter(|(_, fall)| !bare || *fall > LEAST_BESIDE).collect();
+        let sound = falls.iter().all(|(_, fall)| *fall > LEAST_BESIDE);
+        if sound && falls.iter().any(|(_, fall)| *fall > LEAST_FALL) {
+            let falling: Vec<usize> = falls.into_iter().map(|(at, _)| at).collect();
             let names = listed(falling.iter().map(|&at| &block.names[at]));
             notes.push(format!("{names} taken for errors because they fall"));
             falling.into_iter().for_each(|at| roles[at] = Role::Wide);
@@ -110,13 +128,17 @@ pub(super) fn by_numbers(
 /// A block without names, its columns numbered; a few long rows lie on their side.
 pub(super) fn unnamed(block: Block) -> Option<Block> {
     let width = block.rows.first()?.cells.len();
-    let sound = |row: &Cells| row.cells.len() == width && !row.cells.iter().any(|cell| is_word(cell));
+    let sound =
+        |row: &Cells| row.cells.len() == width && !row.cells.iter().any(|cell| is_word(cell));
     let named = width > 1 && (block.names.len() == width || known(&block) > 0);
     if named || !block.rows.iter().all(sound) {
         return None;
     }
     let title = block.names.join(" ");
-    let name = |at: usize| format!("column {}", at + 1);
+    let name = |at: usize| match at {
+        0 => UNNAMED.to_owned(),
+        _ => format!("column {}", at + 1),
+    };
     let named = if width > 2 * block.rows.len() {
         let columns = block.rows.iter().enumerate().map(|(at, row)| (name(at), row.cells.clone()));
         Block::of_columns(block.line, block.end, columns.collect())

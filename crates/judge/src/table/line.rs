@@ -44,6 +44,17 @@ impl Block {
         if self.names.is_empty() || self.rows.is_empty() {
             return self;
         }
+        // So is the sign of a comment or a quotation before each line.
+        let sign = self.names[0].split_once(' ').map(|(sign, _)| format!("{sign} "));
+        let sign = sign.filter(|sign| sign.trim_matches(['*', '>', '#', '!', '/', ' ']).is_empty());
+        let firsts = || self.rows.iter().map(|row| row.cells.first());
+        let signed = |sign: &String| firsts().all(|c| c.is_some_and(|c| c.starts_with(&**sign)));
+        if let Some(sign) = sign.filter(signed) {
+            let cells = self.rows.iter_mut().map(|row| &mut row.cells[0]);
+            for cell in cells.chain([&mut self.names[0]]) {
+                *cell = cell[sign.len()..].trim().to_owned();
+            }
+        }
         for at in (0..self.names.len()).rev() {
             let cells = |row: &Cells| row.cells.get(at).cloned().unwrap_or_default();
             let pair = |row: &Cells| {
@@ -56,7 +67,7 @@ impl Block {
             let Some(mut pairs) = pairs else { continue };
             let same = |pairs: &[[String; 2]]| pairs.windows(2).all(|two| two[0][0] == two[1][0]);
             let mut place = at;
-            if !same(&pairs) {
+            if !same(&pairs) || !is_size(&pairs[0][0]) && pairs[0][0].contains([' ', '(']) {
                 // `Euler, dt = 0.1`: the words before the name are a column of their own.
                 let before = |pair: &mut [String; 2]| {
                     let start = pair[0].rfind([' ', ',', '(']).map_or(0, |at| at + 1);
@@ -398,7 +409,8 @@ fn cut(text: &str, separator: Separator) -> Vec<String> {
             let bare = if text.trim().starts_with('|') { bare.trim_end_matches('|') } else { bare };
             let mut cells: Vec<String> = Vec::new();
             for word in bare.split_whitespace() {
-                let inner = word.strip_prefix(['(', '[']).and_then(|word| word.strip_suffix([')', ']']));
+                let inner =
+                    word.strip_prefix(['(', '[']).and_then(|word| word.strip_suffix([')', ']']));
                 let rate = inner.is_some_and(|rate| !is_word(rate));
                 match cells.last_mut().filter(|cell| rate && number(cell).is_some()) {
                     Some(cell) => *cell += &format!(" {word}"),

@@ -55,7 +55,7 @@ fn pairs(line: &str) -> Vec<(String, String)> {
                 name.clear();
             }
             // What stands in brackets after a value is no name, nor is a mark of a list.
-            _ if name.is_empty() && (word.starts_with('(') || is_mark(word)) => {}
+            _ if name.is_empty() && (word.starts_with('(') || word == "|" || is_mark(word)) => {}
             _ if number(word).is_some() && (is_norm(&named) || is_size(&named)) => {
                 let (named, error) = split(named, words.peek() == Some(&"="));
                 (error_of, _) = (error, found.push((named, word.to_owned())));
@@ -73,11 +73,13 @@ fn pairs(line: &str) -> Vec<(String, String)> {
 
 /// `(N, dt) = (16, 0.01)` as `N = 16 , dt = 0.01`.
 fn each(line: &str) -> Option<String> {
-    let (before, (names, rest)) = line.split_once('(').and_then(|(b, r)| Some((b, r.split_once(')')?)))?;
+    let (before, (names, rest)) =
+        line.split_once('(').and_then(|(b, r)| Some((b, r.split_once(')')?)))?;
     let values = rest.trim_start().strip_prefix('=')?.trim_start().strip_prefix('(')?;
     let (values, behind) = values.split_once(')')?;
     let alike = names.matches(',').count() == values.matches(',').count();
-    let pairs = names.split(',').zip(values.split(',')).map(|(name, value)| format!("{name}={value} , "));
+    let pairs =
+        names.split(',').zip(values.split(',')).map(|(name, value)| format!("{name}={value} , "));
     alike.then(|| format!("{before} {}{behind}", pairs.collect::<String>()))
 }
 
@@ -164,8 +166,7 @@ fn joined(records: Vec<Record>) -> Vec<Record> {
 
 fn records_of(lines: &[(u64, &str)], begins: Records) -> Option<Block> {
     let paired = lines.iter().map(|(line, text)| (*line, pairs(text)));
-    let lines: Vec<Record> =
-        paired.filter(|(_, pairs)| !pairs.is_empty()).collect();
+    let lines: Vec<Record> = paired.filter(|(_, pairs)| !pairs.is_empty()).collect();
     // Names are looked up one by one: a log with more of them is none of a study.
     if lines.iter().map(|(_, pairs)| pairs.len()).sum::<usize>() > MOST_PAIRS {
         return None;
@@ -197,6 +198,7 @@ fn records_of(lines: &[(u64, &str)], begins: Records) -> Option<Block> {
             }
         }
     }
+    let end = records.last().map_or(0, |(line, _)| *line);
     let records = joined(records);
     if records.len() < 2 {
         return None;
@@ -225,7 +227,7 @@ fn records_of(lines: &[(u64, &str)], begins: Records) -> Option<Block> {
     let there = |row: &Cells| row.cells.iter().any(|cell| !cell.is_empty());
     let rows: Vec<Cells> = records.iter().map(row).filter(there).collect();
     let line = rows.first().map(|row| row.line).filter(|_| !names.is_empty())?;
-    Some(Block { repeated, ..Block::of_rows(line, names, rows) })
+    Some(Block { repeated, end, ..Block::of_rows(line, names, rows) })
 }
 
 /// A list of sizes may be called `hs`.
@@ -293,7 +295,9 @@ pub(super) fn assigned(text: &str) -> Vec<Block> {
                 columns.last_mut().into_iter().for_each(|(_, cells)| cells.extend(scaled.clone()));
                 end = at;
             }
-            (_, Some(numbers)) if numbers.len() > 1 || is_size(name) => {
+            (_, Some(numbers))
+                if numbers.len() > 1 || is_size(name) && !name.contains(['=', ':']) =>
+            {
                 let cells = words.iter().map(|&word| word.to_owned());
                 let name = singular(name);
                 let known = columns.iter_mut().find(|known| known.0 == name && numbers.len() == 1);
@@ -311,8 +315,11 @@ pub(super) fn assigned(text: &str) -> Vec<Block> {
     let known = |(name, _): &&(String, Vec<String>)| is_size(name) || is_norm(name);
     let count = columns.iter().find(known).or(columns.first()).map_or(0, |(_, cells)| cells.len());
     columns.retain(|column| known(&column) || column.1.len() == count);
-    let alike = |(_, cells): &(String, Vec<String>)| cells.len() == count;
-    match line.filter(|_| columns.len() > 1 && columns.iter().all(alike)) {
+    // Lists of one name, below headings, are those of several tables.
+    let alike = |(at, (name, cells)): (usize, &(String, Vec<String>))| {
+        cells.len() == count && columns[..at].iter().all(|(before, _)| before != name)
+    };
+    match line.filter(|_| columns.len() > 1 && columns.iter().enumerate().all(alike)) {
         Some(line) => vec![Block::of_columns(line, end, columns)],
         None => Vec::new(),
     }

@@ -1,7 +1,7 @@
 //! Finds the tables of a text: lines are classified, rows that agree make a block, the line above names its columns.
 
-use super::guess::{has_errors, unnamed};
 use super::cell::{Role, is_norm, is_size, number, role};
+use super::guess::{has_errors, unnamed};
 use super::line::{
     Block, Cells, Kind, Line, Separator, classify, is_title, is_word, numbers, plain, uncommented,
 };
@@ -46,11 +46,19 @@ pub(super) fn readings(text: &str) -> impl Iterator<Item = Vec<Block>> {
 
 /// Rows below no names: their numbers say what they are.
 fn nameless(text: &str) -> Vec<Block> {
-    let ways = Separator::ALL.map(|separator| {
-        let bare: Vec<Block> = cut(text, separator, true).into_iter().filter_map(unnamed).collect();
-        if bare.iter().any(has_errors) { bare } else { Vec::new() }
-    });
-    ways.into_iter().find(|found| !found.is_empty()).unwrap_or_default()
+    for separator in Separator::ALL {
+        let blocks = cut(text, separator, true);
+        // Names that fit are not passed over.
+        let fits = |block: &Block| block.names.len() == block.rows[0].cells.len();
+        if blocks.iter().any(|block| fits(block) && block.names.len() > 1 && block.rows.len() > 1) {
+            break;
+        }
+        let bare: Vec<Block> = blocks.into_iter().filter_map(unnamed).collect();
+        if bare.iter().any(has_errors) {
+            return bare;
+        }
+    }
+    Vec::new()
 }
 
 fn blocks(text: &str, separator: Separator) -> Vec<Block> {
@@ -159,8 +167,9 @@ fn trim(lines: &[Line], rows: &mut Vec<usize>, left_out: &mut Vec<u64>) {
         let first = lines[at].cells.first();
         first.is_some_and(|cell| {
             is_word(cell)
-                && cell.starts_with(char::is_alphabetic)
-                && cell.chars().filter(|c| c.is_alphabetic()).count() > 2
+                && (cell == "∞"
+                    || cell.starts_with(char::is_alphabetic)
+                        && cell.chars().filter(|c| c.is_alphabetic()).count() > 2)
         })
     };
     let sizes = |&at: &usize| {
