@@ -216,7 +216,9 @@ impl<'a> Reader<'a> {
         }
         // Below a title that speaks of errors they are what has no other name.
         let sized = roles.iter().any(|role| matches!(role, Role::Space(_) | Role::Time(_)));
-        if sized && of_errors(&block.title) && !roles.iter().any(|role| measures.contains(role)) {
+        if sized
+            && names.iter().all(|name| number(name).is_none())
+            && of_errors(&block.title) && !roles.iter().any(|role| measures.contains(role)) {
             for role in roles.iter_mut().filter(|role| **role == Role::Unknown) {
                 *role = Role::Wide;
                 notes = vec![format!("errors because `{}` stands above", block.title)];

@@ -1,10 +1,9 @@
 //! What the numbers of columns say where their names do not.
 
 use super::Reading;
-use super::cell::{Measure, Role, number};
+use super::cell::{Measure, Role, is_size, number};
 use super::columns::{listed, of_errors};
 use super::line::{Block, Cells, is_word};
-use super::text::known;
 
 /// Sizes that a person takes for such refine by one factor, as far as they are printed.
 const FACTORS_DIFFER: f64 = 0.005;
@@ -16,8 +15,9 @@ const LARGEST_FACTOR: f64 = 3.1;
 const LEAST_FALL: f64 = 3.5;
 /// Beside such a column others that fall by so much are errors, too.
 const LEAST_BESIDE: f64 = 1.5;
-/// The first column of a table without names.
-const UNNAMED: &str = "column 1";
+/// Names of what has none, with a number.
+const COLUMN: &str = "column";
+const LINE: &str = "line";
 const OTHERS: &str =
     "time cpu wall sec tol eps iter residual expect predict theor std deviation log memory speed";
 
@@ -86,6 +86,10 @@ pub(super) fn by_numbers(
     notes: &mut Vec<String>,
 ) -> Option<(usize, bool)> {
     let rows = &block.rows;
+    // Numbers are no names.
+    if block.names.iter().any(|name| number(name).is_some()) {
+        return None;
+    }
     let unknown = |role: &Role| *role == Role::Unknown;
     let sized = |role: &Role| match *role {
         Role::Space(measure) | Role::Time(measure) => Some(measure),
@@ -106,9 +110,12 @@ pub(super) fn by_numbers(
     // Rows without sizes refine as they stand.
     let forward = forward.next().or(roles.iter().all(|role| sized(role).is_none()).then_some(true));
     let named = roles.iter().any(|role| matches!(role, Role::Error | Role::Value | Role::Wide));
-    // Where names say something, they say one of the two, and nothing is beside the errors that does not fall.
-    let bare = block.names[0] == UNNAMED;
-    let open = !named && !of_errors(&block.title) && (bare || counted.is_none());
+    // Where names say something, they say one of the two, and nothing is beside the errors that does not fall. Of several columns
+    // without names one is a size.
+    let first = |what: &str| block.names.first().is_some_and(|name| *name == format!("{what} 1"));
+    let (lines, bare) = (first(LINE), first(LINE) || first(COLUMN));
+    let sizes = !bare || lines || counted.is_some() || roles.len() == 1;
+    let open = !named && !of_errors(&block.title) && sizes && (bare || counted.is_none());
     if let Some(forward) = forward.filter(|_| open) {
         let open = (0..roles.len()).filter(|&at| unknown(&roles[at]));
         let falls = open.filter_map(|at| Some((at, fall_of_errors(block, at, forward)?)));
@@ -125,27 +132,23 @@ pub(super) fn by_numbers(
     counted.map(|(at, _)| (at, forward.unwrap_or(true)))
 }
 
-/// A block without names, its columns numbered; a few long rows lie on their side.
-pub(super) fn unnamed(block: Block) -> Option<Block> {
-    let width = block.rows.first()?.cells.len();
-    let sound =
-        |row: &Cells| row.cells.len() == width && !row.cells.iter().any(|cell| is_word(cell));
-    let named = width > 1 && (block.names.len() == width || known(&block) > 0);
-    if named || !block.rows.iter().all(sound) {
+/// A block below no text, its columns numbered, or its lines if they are few and long.
+pub(super) fn unnamed(block: &Block) -> Option<Block> {
+    let width = block.rows[0].cells.len();
+    let sound = |row: &Cells| row.cells.len() == width && !row.cells.iter().any(|cell| is_word(cell));
+    if !block.names.is_empty() && (width > 1 || is_size(&block.names[0])) || !block.rows.iter().all(sound) {
         return None;
     }
-    let title = block.names.join(" ");
-    let name = |at: usize| match at {
-        0 => UNNAMED.to_owned(),
-        _ => format!("column {}", at + 1),
-    };
-    let named = if width > 2 * block.rows.len() {
-        let columns = block.rows.iter().enumerate().map(|(at, row)| (name(at), row.cells.clone()));
-        Block::of_columns(block.line, block.end, columns.collect())
+    let numbered = |what: &str, count: usize| (1..=count).map(|at| format!("{what} {at}")).collect();
+    let lying = width > 2 * block.rows.len();
+    let named = if lying {
+        let lines: Vec<String> = numbered(LINE, block.rows.len());
+        let cells = block.rows.iter().map(|row| row.cells.clone());
+        Block::of_columns(block.line, block.end, lines.into_iter().zip(cells).collect())
     } else {
-        Block { names: (0..width).map(name).collect(), ..block }
+        Block { names: numbered(COLUMN, width), ..block.clone() }
     };
-    Some(Block { title, ..named })
+    Some(Block { title: block.names.join(" "), ..named })
 }
 
 /// Whether a column without a name is one of errors.

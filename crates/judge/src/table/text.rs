@@ -53,7 +53,10 @@ fn nameless(text: &str) -> Vec<Block> {
         if blocks.iter().any(|block| fits(block) && block.names.len() > 1 && block.rows.len() > 1) {
             break;
         }
-        let bare: Vec<Block> = blocks.into_iter().filter_map(unnamed).collect();
+        let bare = |block: Block| unnamed(&block).unwrap_or(block);
+        // `a = 1 2` is no row.
+        let row = |block: &Block| !block.rows[0].cells.contains(&"=".to_owned());
+        let bare: Vec<Block> = blocks.into_iter().filter(row).map(bare).collect();
         if bare.iter().any(has_errors) {
             return bare;
         }
