@@ -261,10 +261,8 @@ impl<'a> Reader<'a> {
         }
         // A size by its numbers is one where errors fall with it.
         if let Some((at, forward)) = counted {
-            let falls = |of: usize| {
-                measures.contains(&roles[of]) && fall(&block.rows, of, forward).is_some()
-            };
-            match (0..roles.len()).any(falls) {
+            let mut errors = (0..roles.len()).filter(|&of| measures.contains(&roles[of]));
+            match errors.all(|of| fall(&block.rows, of, forward).is_some()) {
                 true => notes.insert(0, format!("`{}` taken for a size by its numbers", names[at])),
                 false => roles[at] = Role::Unknown,
             }

@@ -7,6 +7,7 @@ use super::line::{Block, Cells, is_word};
 
 /// Sizes that a person takes for such refine by one factor, as far as they are printed.
 const FACTORS_DIFFER: f64 = 0.005;
+const POWERS_DIFFER: f64 = 0.002;
 /// Unknowns, points and rounded lengths do so less closely.
 const COUNTS_DIFFER: f64 = 0.4;
 /// A larger factor is that of tolerances, of cells in three dimensions, or of samples.
@@ -71,7 +72,7 @@ fn fall_of_errors(block: &Block, at: usize, forward: bool) -> Option<f64> {
     let numbers = numbers(&block.rows, at).filter(|_| !is_other(&block.names[at]))?;
     let small = numbers.iter().all(|number| *number < 1.0);
     let fall = fall(&block.rows, at, forward).filter(|_| small).unwrap_or(0.0);
-    factor(&numbers, FACTORS_DIFFER).is_none().then_some(fall)
+    factor(&numbers, POWERS_DIFFER).is_none().then_some(fall)
 }
 
 fn is_other(name: &str) -> bool {
