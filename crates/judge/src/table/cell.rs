@@ -315,7 +315,8 @@ pub(super) fn role(name: &str) -> Role {
         _ if measures() || NORMS.contains(&*normalised) || bars => Role::Wide,
         _ => {
             let known = |word: &str| {
-                SPACES.split(' ').any(|space| of_space(word, space))
+                // `RKL1` is a scheme.
+                SPACES.split(' ').any(|space| word.contains(space) && !word.starts_with("rk"))
                     || word.len() > 2 && NORMS.contains(word)
             };
             let words = |text: &str| text.split(|c: char| !c.is_alphanumeric()).any(known);
@@ -325,14 +326,6 @@ pub(super) fn role(name: &str) -> Role {
             }
         }
     }
-}
-
-/// Whether a word names a space: `eL2` and `errL2` do, `RKL1` does not.
-fn of_space(word: &str, space: &str) -> bool {
-    let before = word
-        .split_once(space)
-        .map(|(before, _)| before.trim_start_matches(|c: char| !c.is_alphabetic()));
-    before.is_some_and(|b| b.len() < 2 || !b.starts_with("rk"))
 }
 
 /// A name that begins or ends with that of a size: `mesh size h`, `coarse_res`.

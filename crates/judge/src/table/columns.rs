@@ -218,7 +218,9 @@ impl<'a> Reader<'a> {
         let sized = roles.iter().any(|role| matches!(role, Role::Space(_) | Role::Time(_)));
         if sized
             && names.iter().all(|name| number(name).is_none())
-            && of_errors(&block.title) && !roles.iter().any(|role| measures.contains(role)) {
+            && of_errors(&block.title)
+            && !roles.iter().any(|role| measures.contains(role))
+        {
             for role in roles.iter_mut().filter(|role| **role == Role::Unknown) {
                 *role = Role::Wide;
                 notes = vec![format!("errors because `{}` stands above", block.title)];
@@ -261,8 +263,9 @@ impl<'a> Reader<'a> {
         }
         // A size by its numbers is one where errors fall with it.
         if let Some((at, forward)) = counted {
-            let mut errors = (0..roles.len()).filter(|&of| measures.contains(&roles[of]));
-            match errors.all(|of| fall(&block.rows, of, forward).is_some()) {
+            let errors = (0..roles.len()).filter(|&of| measures.contains(&roles[of]));
+            let mut falls = errors.map(|of| fall(&block.rows, of, forward).is_some());
+            match falls.next() == Some(true) && falls.all(|falls| falls) {
                 true => notes.insert(0, format!("`{}` taken for a size by its numbers", names[at])),
                 false => roles[at] = Role::Unknown,
             }

@@ -50,11 +50,9 @@ fn size(rows: &[Cells], at: usize) -> Option<Measure> {
 
 /// Whether the rows refine from first to last, or from last to first, at one rate.
 fn refines(rows: &[Cells], at: usize, measure: Measure) -> Option<bool> {
-    if measure == Measure::Level {
-        return Some(true);
-    }
-    let factor = factor(&numbers(rows, at)?, COUNTS_DIFFER)?;
-    ((factor - 1.0).abs() > 0.2).then_some((factor > 1.0) != (measure == Measure::Length))
+    let factor = || factor(&numbers(rows, at)?, COUNTS_DIFFER).filter(|f| (f - 1.0).abs() > 0.2);
+    let level = measure == Measure::Level;
+    if level { Some(true) } else { Some((factor()? > 1.0) != (measure == Measure::Length)) }
 }
 
 /// By how much the numbers of a column fall towards the finest row, if they do in each.
@@ -136,11 +134,15 @@ pub(super) fn by_numbers(
 /// A block below no text, its columns numbered, or its lines if they are few and long.
 pub(super) fn unnamed(block: &Block) -> Option<Block> {
     let width = block.rows[0].cells.len();
-    let sound = |row: &Cells| row.cells.len() == width && !row.cells.iter().any(|cell| is_word(cell));
-    if !block.names.is_empty() && (width > 1 || is_size(&block.names[0])) || !block.rows.iter().all(sound) {
+    let sound =
+        |row: &Cells| row.cells.len() == width && !row.cells.iter().any(|cell| is_word(cell));
+    if !block.names.is_empty() && (width > 1 || is_size(&block.names[0]))
+        || !block.rows.iter().all(sound)
+    {
         return None;
     }
-    let numbered = |what: &str, count: usize| (1..=count).map(|at| format!("{what} {at}")).collect();
+    let numbered =
+        |what: &str, count: usize| (1..=count).map(|at| format!("{what} {at}")).collect();
     let lying = width > 2 * block.rows.len();
     let named = if lying {
         let lines: Vec<String> = numbered(LINE, block.rows.len());

@@ -44,17 +44,6 @@ impl Block {
         if self.names.is_empty() || self.rows.is_empty() {
             return self;
         }
-        // So is the sign of a comment or a quotation before each line.
-        let sign = self.names[0].split_once(' ').map(|(sign, _)| format!("{sign} "));
-        let sign = sign.filter(|sign| sign.trim_matches(['*', '>', '#', '!', '/', ' ']).is_empty());
-        let firsts = || self.rows.iter().map(|row| row.cells.first());
-        let signed = |sign: &String| firsts().all(|c| c.is_some_and(|c| c.starts_with(&**sign)));
-        if let Some(sign) = sign.filter(signed) {
-            let cells = self.rows.iter_mut().map(|row| &mut row.cells[0]);
-            for cell in cells.chain([&mut self.names[0]]) {
-                *cell = cell[sign.len()..].trim().to_owned();
-            }
-        }
         for at in (0..self.names.len()).rev() {
             let cells = |row: &Cells| row.cells.get(at).cloned().unwrap_or_default();
             let pair = |row: &Cells| {
