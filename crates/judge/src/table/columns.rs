@@ -3,10 +3,9 @@
 use std::collections::{HashMap, HashSet};
 
 use super::cell::{
-    Comma, Measure, Number, Role, is_missing, is_norm, is_rate, likeness, named, normal, number,
-    role, sides,
+    Comma, Measure, Number, Role, is_missing, is_rate, likeness, named, normal, number, role, sides,
 };
-use super::guess::{by_numbers, fall};
+use super::guess::{are_orders, by_numbers, confirm, of_errors};
 use super::line::{Block, Cells, is_computed};
 use super::{Quantity, TableError};
 use crate::fit::is_step;
@@ -162,20 +161,6 @@ impl Columns {
     }
 }
 
-/// Whether a title says that errors stand below it; `rate error` is the error of a rate.
-pub(super) fn of_errors(title: &str) -> bool {
-    is_norm(title) || title.to_lowercase().contains("rate error")
-}
-
-/// Numbers between 0.2 and 15 that change by less than a factor of three, below a line that speaks of rates. An error that is refined
-/// twice changes by more, unless its order is below 0.8.
-fn are_orders(title: &str, measured: &Measured) -> bool {
-    let said = ["rate", "order", "eoc", "slope"].iter().any(|w| title.to_lowercase().contains(w));
-    let all = || measured.entries.iter().flatten().copied();
-    let (least, most) = (all().fold(f64::MAX, f64::min), all().fold(0.0, f64::max));
-    said && all().count() > 2 && least > 0.2 && most < 15.0 && most < 3.0 * least
-}
-
 impl<'a> Reader<'a> {
     fn of(block: &'a Block, reading: &'a Reading) -> Result<Self, TableError> {
         let names: Vec<&str> = block.names.iter().map(String::as_str).collect();
@@ -261,15 +246,7 @@ impl<'a> Reader<'a> {
         if let Some(at) = roles.iter().position(|role| *role == Role::Norm && !errors) {
             roles[at] = Role::Wide;
         }
-        // A size by its numbers is one where errors fall with it.
-        if let Some((at, forward)) = counted {
-            let errors = (0..roles.len()).filter(|&of| measures.contains(&roles[of]));
-            let mut falls = errors.map(|of| fall(&block.rows, of, forward).is_some());
-            match falls.next() == Some(true) && falls.all(|falls| falls) {
-                true => notes.insert(0, format!("`{}` taken for a size by its numbers", names[at])),
-                false => roles[at] = Role::Unknown,
-            }
-        }
+        confirm(block, counted, &mut roles, &mut notes);
         let cells = block.rows.iter().flat_map(|row| &row.cells);
         let mut commas = cells.filter(|cell| cell.contains(','));
         let decimal = commas.any(|cell| number(cell).is_some_and(|n| n.comma == Comma::Decimal));

@@ -1,8 +1,8 @@
 //! What the numbers of columns say where their names do not.
 
 use super::Reading;
-use super::cell::{Measure, Role, is_size, number};
-use super::columns::{listed, of_errors};
+use super::cell::{Measure, Role, is_norm, is_size, number};
+use super::columns::{Measured, listed};
 use super::line::{Block, Cells, is_word};
 
 /// Sizes that a person takes for such refine by one factor, as far as they are printed.
@@ -56,7 +56,7 @@ fn refines(rows: &[Cells], at: usize, measure: Measure) -> Option<bool> {
 }
 
 /// By how much the numbers of a column fall towards the finest row, if they do in each.
-pub(super) fn fall(rows: &[Cells], at: usize, forward: bool) -> Option<f64> {
+fn fall(rows: &[Cells], at: usize, forward: bool) -> Option<f64> {
     let mut numbers = numbers(rows, at)?;
     if !forward {
         numbers.reverse();
@@ -131,6 +131,24 @@ pub(super) fn by_numbers(
     counted.map(|(at, _)| (at, forward.unwrap_or(true)))
 }
 
+/// A size by its numbers is one where all errors fall with it.
+pub(super) fn confirm(
+    block: &Block,
+    counted: Option<(usize, bool)>,
+    roles: &mut [Role],
+    notes: &mut Vec<String>,
+) {
+    let Some((at, forward)) = counted else { return };
+    let errors =
+        (0..roles.len()).filter(|&of| matches!(roles[of], Role::Error | Role::Value | Role::Wide));
+    let mut falls = errors.map(|of| fall(&block.rows, of, forward).is_some());
+    if falls.next() == Some(true) && falls.all(|falls| falls) {
+        notes.insert(0, format!("`{}` taken for a size by its numbers", block.names[at]));
+    } else {
+        roles[at] = Role::Unknown;
+    }
+}
+
 /// A block below no text, its columns numbered, or its lines if they are few and long.
 pub(super) fn unnamed(block: &Block) -> Option<Block> {
     let width = block.rows[0].cells.len();
@@ -159,4 +177,18 @@ pub(super) fn has_errors(block: &Block) -> bool {
     let mut roles = vec![Role::Unknown; block.names.len()];
     by_numbers(block, &Reading::default(), &mut roles, &mut Vec::new());
     roles.contains(&Role::Wide)
+}
+
+/// Whether a title says that errors stand below it; `rate error` is the error of a rate.
+pub(super) fn of_errors(title: &str) -> bool {
+    is_norm(title) || title.to_lowercase().contains("rate error")
+}
+
+/// Numbers between 0.2 and 15 that change by less than a factor of three, below a line that speaks of rates. An error that is refined
+/// twice changes by more, unless its order is below 0.8.
+pub(super) fn are_orders(title: &str, measured: &Measured) -> bool {
+    let said = ["rate", "order", "eoc", "slope"].iter().any(|w| title.to_lowercase().contains(w));
+    let all = || measured.entries.iter().flatten().copied();
+    let (least, most) = (all().fold(f64::MAX, f64::min), all().fold(0.0, f64::max));
+    said && all().count() > 2 && least > 0.2 && most < 15.0 && most < 3.0 * least
 }
