@@ -594,7 +594,9 @@ impl<'a> Reader<'a> {
                 Measure::Number => return Ok(1.0 / number),
                 Measure::Length => return Ok(number),
             };
-            let cell = if number.is_nan() { row.cells[at].clone() } else { number.to_string() };
+            let cell =
+                Some(row.cells[at].clone()).filter(|cell| number.is_nan() && cell.contains('x'));
+            let cell = cell.unwrap_or(number.to_string());
             Err(TableError::at(row.line, format!("{name} = {cell} is {why}")))
         };
         numbers.into_iter().zip(&self.block.rows).map(step).collect()
