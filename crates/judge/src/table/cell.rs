@@ -42,7 +42,7 @@ pub(super) fn number(cell: &str) -> Option<Number> {
         .replace("\\pi", "π")
         .replace("\\(", "")
         .replace("\\)", "");
-    for command in ["\\num", "\\textbf", "\\mathbf", "\\text", "\\,", "~"] {
+    for command in ["\\num", "\\textbf", "\\mathbf", "\\text", "\\,", "~", "≈"] {
         text = text.replace(command, "");
     }
     text.retain(|c| !"{}$_'\u{2009}\u{202f}\u{a0}".contains(c));
@@ -52,7 +52,7 @@ pub(super) fn number(cell: &str) -> Option<Number> {
     let bare = text.trim();
     let text = bare;
     // `1.28e-2 (2.00)`: a rate stands behind, or a deviation.
-    for behind in [" (", "(-)", "±", "+/-"] {
+    for behind in [" (", " [", "(-)", "±", "+/-"] {
         if let Some((value, _)) = text.split_once(behind).filter(|(v, _)| !v.trim().is_empty()) {
             return number(value);
         }
@@ -89,10 +89,11 @@ pub(super) fn number(cell: &str) -> Option<Number> {
         return float(a).zip(float(b)).and_then(|(a, b)| plain(a.powf(b), Comma::None));
     }
     if text.contains(['x', '×']) {
-        // `32x32` are 32 along each side.
-        let mut sides = text.split(['x', '×']).map(float);
-        let first = sides.next().flatten()?;
-        return sides.all(|side| side == Some(first)).then(|| plain(first, Comma::None))?;
+        // `32x32` are 32 along each side; of `20x40` the other rows say what it is.
+        let sides: Option<Vec<f64>> = text.split(['x', '×']).map(float).collect();
+        let sides = sides?;
+        let same = sides.iter().all(|side| *side == sides[0]);
+        return plain(if same { sides[0] } else { f64::NAN }, Comma::None);
     }
     if text.contains(',') {
         return commas(&fortran).and_then(|(value, comma)| plain(value, comma));
@@ -110,11 +111,18 @@ pub(super) fn number(cell: &str) -> Option<Number> {
 
 /// Cells along a side, where all cells of a column are meshes, `32x32` or `50^3`.
 pub(super) fn sides<'a>(cells: impl Iterator<Item = &'a str>) -> Option<Vec<f64>> {
-    let mut power = None;
+    let (mut power, mut shape) = (None, None::<Vec<f64>>);
     let side = |cell: &str| {
         let cell = cell.trim_matches(['$', '`', '*', ' ']).replace('×', "x");
         if cell.contains('x') {
-            return number(&cell).map(|number| number.value);
+            let sides: Option<Vec<f64>> =
+                cell.split('x').map(|side| side.trim().parse().ok()).collect();
+            let sides = sides?;
+            let first = shape.get_or_insert_with(|| sides.clone());
+            // `21x41` below `11x21` has one shape with it.
+            let near = |(a, b): (&f64, &f64)| (a * first[0] / (b * sides[0]) - 1.0).abs() < 0.06;
+            let same = sides.len() == first.len() && sides.iter().zip(first.iter()).all(near);
+            return same.then(|| sides[0]);
         }
         let (side, exponent) = cell.split_once('^')?;
         let same = *power.get_or_insert(exponent.to_owned()) == exponent;
@@ -268,6 +276,10 @@ pub(super) fn role(name: &str) -> Role {
     {
         return role;
     }
+    let power = bare.trim_start_matches([' ', '$', '`']);
+    if ["h^", "dx^", "dt^", "h²"].iter().any(|h| power.starts_with(h)) {
+        return Role::Ignored;
+    }
     // `h||` is what is left of a norm.
     let bars = name.contains("||") || name.contains('‖');
     let bars = bars || name.matches('|').count() > 1 && name.contains('-') || name.contains("Vert");
@@ -303,7 +315,8 @@ pub(super) fn role(name: &str) -> Role {
         _ if measures() || NORMS.contains(&*normalised) || bars => Role::Wide,
         _ => {
             let known = |word: &str| {
-                SPACES.split(' ').any(|space| word.contains(space))
+                // `RKL1` is a scheme.
+                SPACES.split(' ').any(|space| word.contains(space) && !word.starts_with("rk"))
                     || word.len() > 2 && NORMS.contains(word)
             };
             let words = |text: &str| text.split(|c: char| !c.is_alphanumeric()).any(known);

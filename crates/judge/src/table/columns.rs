@@ -3,9 +3,10 @@
 use std::collections::{HashMap, HashSet};
 
 use super::cell::{
-    Comma, Measure, Number, Role, is_missing, is_norm, is_rate, likeness, named, normal, number,
-    role, says_error, sides,
+    Comma, Measure, Number, Role, is_missing, is_rate, likeness, named, normal, number, role,
+    says_error, sides,
 };
+use super::guess::{are_orders, by_numbers, confirm, of_errors};
 use super::line::{Block, Cells, is_computed};
 use super::{Quantity, TableError};
 use crate::fit::is_step;
@@ -73,7 +74,7 @@ pub(super) struct Columns {
     pub(super) said: String,
 }
 
-fn listed(names: impl IntoIterator<Item = impl AsRef<str>>) -> String {
+pub(super) fn listed(names: impl IntoIterator<Item = impl AsRef<str>>) -> String {
     let names: Vec<String> = names.into_iter().map(|n| format!("`{}`", n.as_ref())).collect();
     let more = names.len().saturating_sub(8);
     let rest = if more > 0 { format!(" and {more} more") } else { String::new() };
@@ -161,15 +162,6 @@ impl Columns {
     }
 }
 
-/// Numbers between 0.2 and 15 that change by less than a factor of three, below a line that speaks of rates. An error that is refined
-/// twice changes by more, unless its order is below 0.8.
-fn are_orders(title: &str, measured: &Measured) -> bool {
-    let said = ["rate", "order", "eoc", "slope"].iter().any(|w| title.to_lowercase().contains(w));
-    let all = || measured.entries.iter().flatten().copied();
-    let (least, most) = (all().fold(f64::MAX, f64::min), all().fold(0.0, f64::max));
-    said && all().count() > 2 && least > 0.2 && most < 15.0 && most < 3.0 * least
-}
-
 /// Numbers that change in one direction, by less from row to row, and by less than half in all. An error that is refined
 /// twice does so only where it stagnates.
 fn approach_a_limit(entries: &[f64]) -> bool {
@@ -213,6 +205,9 @@ impl<'a> Reader<'a> {
             let at = named(asked, &names).map_err(|what| missing(format!("--by: {what}")))?;
             roles[at] = Role::Parameter;
         }
+        let mut notes = Vec::new();
+        let measures = [Role::Error, Role::Value, Role::Wide];
+        let counted = by_numbers(block, reading, &mut roles, &mut notes);
         // What a rate follows is an error, whatever its name; of several such the caller may name some.
         for at in 1..roles.len() {
             if roles[at - 1] == Role::Unknown && is_rate(names[at]) && reading.errors.is_empty() {
@@ -221,9 +216,11 @@ impl<'a> Reader<'a> {
         }
         // Below a title that speaks of errors they are what has no other name.
         let sized = roles.iter().any(|role| matches!(role, Role::Space(_) | Role::Time(_)));
-        let measures = [Role::Error, Role::Value, Role::Wide];
-        let mut notes = Vec::new();
-        if sized && is_norm(&block.title) && !roles.iter().any(|role| measures.contains(role)) {
+        if sized
+            && names.iter().all(|name| number(name).is_none())
+            && of_errors(&block.title)
+            && !roles.iter().any(|role| measures.contains(role))
+        {
             for role in roles.iter_mut().filter(|role| **role == Role::Unknown) {
                 *role = Role::Wide;
                 notes = vec![format!("errors because `{}` stands above", block.title)];
@@ -264,6 +261,7 @@ impl<'a> Reader<'a> {
         if let Some(at) = roles.iter().position(|role| *role == Role::Norm && !errors) {
             roles[at] = Role::Wide;
         }
+        confirm(block, counted, &mut roles, &mut notes);
         let cells = block.rows.iter().flat_map(|row| &row.cells);
         let mut commas = cells.filter(|cell| cell.contains(','));
         let decimal = commas.any(|cell| number(cell).is_some_and(|n| n.comma == Comma::Decimal));
@@ -330,10 +328,7 @@ impl<'a> Reader<'a> {
         };
         let wide = all(Role::Wide);
         let (places, quantity) = match (errors.first(), values.first()) {
-            (Some(_), Some(_)) => {
-                return fail("both `error` and `value`: which of them is judged?".into());
-            }
-            (Some(_), None) => {
+            (Some(_), _) => {
                 let named = wide.iter().copied().filter(asked);
                 (errors.iter().copied().chain(named).collect(), Quantity::Error)
             }
@@ -367,7 +362,7 @@ impl<'a> Reader<'a> {
         }
         self.left_out = (0..self.roles.len())
             .filter(|at| {
-                matches!(self.roles[*at], Role::Unknown | Role::Ignored | Role::Wide)
+                matches!(self.roles[*at], Role::Unknown | Role::Ignored | Role::Wide | Role::Value)
                     && !places.contains(at)
             })
             .collect();
@@ -495,7 +490,7 @@ impl<'a> Reader<'a> {
         let refined = |size: &Size| {
             size.measure == Measure::Length || size.steps.iter().any(|step| *step != size.steps[0])
         };
-        if found.iter().any(refined) {
+        if found.iter().any(refined) || self.block.rows.len() > 2 {
             self.left_out.extend(found.iter().filter(|size| !refined(size)).map(|size| size.at));
             found.retain(refined);
         }
@@ -626,6 +621,9 @@ impl<'a> Reader<'a> {
                     "no level of refinement: call the column n if it counts cells along a side"
                 }
                 Measure::Level => return Ok(ratio.powf(-number)),
+                _ if number.is_nan() && row.cells[at].contains('x') => {
+                    "no mesh of the shape of the others"
+                }
                 _ if !is_step(number) => "no step size, which is positive",
                 _ if counts && number.fract() != 0.0 => {
                     "no whole number, which a count is: call it h or k if it is a step"
@@ -634,7 +632,10 @@ impl<'a> Reader<'a> {
                 Measure::Number => return Ok(1.0 / number),
                 Measure::Length => return Ok(number),
             };
-            Err(TableError::at(row.line, format!("{name} = {number} is {why}")))
+            let cell =
+                Some(row.cells[at].clone()).filter(|cell| number.is_nan() && cell.contains('x'));
+            let cell = cell.unwrap_or(number.to_string());
+            Err(TableError::at(row.line, format!("{name} = {cell} is {why}")))
         };
         numbers.into_iter().zip(&self.block.rows).map(step).collect()
     }
@@ -787,7 +788,8 @@ impl<'a> Reader<'a> {
         }
         let what = if columns.quantity == Quantity::Value { "values" } else { "errors" };
         let names = columns.measured.iter().map(|m| m.norm.as_deref());
-        let single = self.roles.iter().position(|r| matches!(r, Role::Error | Role::Value));
+        let place = |role| self.roles.iter().position(|known| *known == role);
+        let single = place(Role::Error).or(place(Role::Value));
         let single = single.map_or("error", |at| self.name(at));
         read.push(format!("{what} {}", listed(names.map(|name| name.unwrap_or(single)))));
         let mut parts =

@@ -44,19 +44,38 @@ impl Block {
         if self.names.is_empty() || self.rows.is_empty() {
             return self;
         }
-        for at in 0..self.names.len() {
+        for at in (0..self.names.len()).rev() {
             let cells = |row: &Cells| row.cells.get(at).cloned().unwrap_or_default();
             let pair = |row: &Cells| {
                 let cell = cells(row).replace(['$', '`'], "");
                 let (name, value) = cell.split_once('=')?;
-                number(value.trim()).map(|_| (name.trim().to_owned(), value.trim().to_owned()))
+                let value = value.trim().trim_end_matches(')');
+                number(value).map(|_| [name.trim().to_owned(), value.to_owned()])
             };
-            let pairs: Option<Vec<_>> = self.rows.iter().map(pair).collect();
-            if let Some(pairs) = pairs.filter(|p| p.windows(2).all(|two| two[0].0 == two[1].0)) {
-                self.names[at].clone_from(&pairs[0].0);
-                for (row, (_, value)) in self.rows.iter_mut().zip(pairs) {
-                    row.cells[at] = value;
+            let pairs: Option<Vec<[String; 2]>> = self.rows.iter().map(pair).collect();
+            let Some(mut pairs) = pairs else { continue };
+            let same = |pairs: &[[String; 2]]| pairs.windows(2).all(|two| two[0][0] == two[1][0]);
+            let mut place = at;
+            if !same(&pairs) || !is_size(&pairs[0][0]) && pairs[0][0].contains([' ', '(']) {
+                // `Euler, dt = 0.1`: the words before the name are a column of their own.
+                let before = |pair: &mut [String; 2]| {
+                    let start = pair[0].rfind([' ', ',', '(']).map_or(0, |at| at + 1);
+                    let name = pair[0].split_off(start);
+                    std::mem::replace(&mut pair[0], name)
+                };
+                let words: Vec<String> = pairs.iter_mut().map(before).collect();
+                if !same(&pairs) || !is_size(&pairs[0][0]) {
+                    continue;
                 }
+                self.names.insert(at, self.names[at].clone());
+                for (row, words) in self.rows.iter_mut().zip(words) {
+                    row.cells.insert(at, words.trim_matches([' ', ',', '(']).to_owned());
+                }
+                place += 1;
+            }
+            self.names[place].clone_from(&pairs[0][0]);
+            for (row, [_, value]) in self.rows.iter_mut().zip(pairs) {
+                row.cells[place] = value;
             }
         }
         let sized = self.names.iter().position(|name| is_size(name)).unwrap_or(0);
@@ -199,7 +218,9 @@ pub(super) fn plain(text: &str) -> String {
         |word: &&str| word.strip_suffix(':').is_some_and(|number| number.parse::<u32>().is_ok());
     let tag = first.next().filter(counted).filter(|tag| first.clone().all(|word| word == *tag));
     let tag = tag.filter(|_| first.next().is_some());
-    for line in text.split('\n').map(|line| message(line, tag)) {
+    let rows = if html { text.replace("</tr><tr", "</tr>\n<tr") } else { text.into() };
+    for line in rows.split('\n').map(|line| message(line, tag)) {
+        let line = line.trim_start().strip_prefix(":header:").unwrap_or(line);
         let bare = line.trim();
         let cell = bare.strip_prefix("- ").or((bare == "-").then_some(""));
         match (row, cell) {
@@ -377,7 +398,8 @@ fn cut(text: &str, separator: Separator) -> Vec<String> {
             let bare = if text.trim().starts_with('|') { bare.trim_end_matches('|') } else { bare };
             let mut cells: Vec<String> = Vec::new();
             for word in bare.split_whitespace() {
-                let inner = word.strip_prefix('(').and_then(|word| word.strip_suffix(')'));
+                let inner =
+                    word.strip_prefix(['(', '[']).and_then(|word| word.strip_suffix([')', ']']));
                 let rate = inner.is_some_and(|rate| !is_word(rate));
                 match cells.last_mut().filter(|cell| rate && number(cell).is_some()) {
                     Some(cell) => *cell += &format!(" {word}"),
@@ -419,12 +441,13 @@ pub(super) fn classify(text: &str, separator: Separator) -> Vec<Line<'_>> {
         str::split(text, pieces).map(move |text| (at, text))
     };
     for (at, text) in (1..).zip(text.lines()).flat_map(several) {
-        let empty = text.trim().trim_matches(BARS).is_empty();
-        if empty || is_rule(text) {
-            lines.push(Line { number: at, text, cells: Vec::new(), kind: Kind::Gap });
+        let empty = text.trim().trim_matches(BARS).is_empty() || is_rule(text);
+        let cells = if empty { Vec::new() } else { cut(text, separator) };
+        // So is `-  -` of a level that failed.
+        if empty || separator == Separator::Blanks && cells.iter().all(|cell| is_missing(cell)) {
+            lines.push(Line { number: at, text, cells, kind: Kind::Gap });
             continue;
         }
-        let cells = cut(text, separator);
         let numbers = numbers(&cells);
         let words = cells.iter().filter(|cell| is_word(cell)).count();
         let row = match separator {
@@ -461,7 +484,9 @@ const RATES_DIFFER: f64 = 0.02;
 /// Whether a column, empty in the first row, is the ratio of two rows of another, or its binary logarithm.
 pub(super) fn is_computed(rows: &[Cells], at: usize, from: usize) -> bool {
     let cell = |row: &Cells, at: usize| number(row.cells.get(at)?).map(|number| number.value);
-    let lacks = rows[0].cells.get(at).is_none_or(|cell| is_missing(cell));
+    let lacks = rows[0].cells.get(at).is_none_or(|cell| {
+        is_missing(cell) || number(cell).is_some_and(|n| n.value == 0.0 || n.value.is_nan())
+    });
     let near = |a: f64, b: f64| (a / b - 1.0).abs() < RATES_DIFFER;
     let is = |of: fn(f64) -> f64| {
         let computed = |pair: &[Cells]| {

@@ -1,5 +1,7 @@
 //! Tables that stand in no rows: records of a log, lists, sizes across, and a table on its side.
 
+use std::collections::HashMap;
+
 use super::cell::{Role, is_missing, is_norm, is_rate, is_size, number, role};
 use super::line::{BARS, Block, Cells, Kind, Line, Separator, classify, is_rule, is_word};
 
@@ -13,6 +15,8 @@ const JOINED: [&str; 2] = ["\u{e000}", "\u{e001}"];
 
 /// `name = value` and `name: value` of a line, in order, and `l-2 0.25` for a norm; what stands between is passed over.
 fn pairs(line: &str) -> Vec<(String, String)> {
+    let each = each(line);
+    let line = each.as_deref().unwrap_or(line);
     // `L2(0,T;L2)` is one name, `(h=1, e=2)` are two.
     let mut parts: Vec<String> = line.split_inclusive(')').map(str::to_owned).collect();
     for part in parts.iter_mut().filter(|part| part.ends_with(')')) {
@@ -51,7 +55,7 @@ fn pairs(line: &str) -> Vec<(String, String)> {
                 name.clear();
             }
             // What stands in brackets after a value is no name, nor is a mark of a list.
-            _ if name.is_empty() && (word.starts_with('(') || is_mark(word)) => {}
+            _ if name.is_empty() && (word.starts_with('(') || word == "|" || is_mark(word)) => {}
             _ if number(word).is_some() && (is_norm(&named) || is_size(&named)) => {
                 let (named, error) = split(named, words.peek() == Some(&"="));
                 (error_of, _) = (error, found.push((named, word.to_owned())));
@@ -65,6 +69,18 @@ fn pairs(line: &str) -> Vec<(String, String)> {
         }
     }
     found
+}
+
+/// `(N, dt) = (16, 0.01)` as `N = 16 , dt = 0.01`.
+fn each(line: &str) -> Option<String> {
+    let (before, (names, rest)) =
+        line.split_once('(').and_then(|(b, r)| Some((b, r.split_once(')')?)))?;
+    let values = rest.trim_start().strip_prefix('=')?.trim_start().strip_prefix('(')?;
+    let (values, behind) = values.split_once(')')?;
+    let alike = names.matches(',').count() == values.matches(',').count();
+    let pairs =
+        names.split(',').zip(values.split(',')).map(|(name, value)| format!("{name}={value} , "));
+    alike.then(|| format!("{before} {}{behind}", pairs.collect::<String>()))
 }
 
 fn is_mark(word: &str) -> bool {
@@ -83,6 +99,9 @@ fn split(named: String, goes_on: bool) -> (String, Option<String>) {
         None => (named, None),
     }
 }
+
+/// A line, and the names and values from there on.
+type Record = (u64, Vec<(String, String)>);
 
 /// Where a record of a log begins.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -118,10 +137,36 @@ pub(super) fn records(text: &str, begins: Records) -> Vec<Block> {
     }
 }
 
+/// The norms and the rates of a level may stand in lines of their own, which name its sizes again.
+fn joined(records: Vec<Record>) -> Vec<Record> {
+    let mut joined: Vec<Record> = Vec::new();
+    let mut places = HashMap::new();
+    for (line, mut pairs) in records {
+        let sizes: Vec<_> = pairs.iter().filter(|(name, _)| is_size(name)).cloned().collect();
+        let place = *places.entry(sizes.clone()).or_insert(joined.len());
+        let known = joined.get_mut(place).filter(|_| !sizes.is_empty());
+        let other = |known: &Record| {
+            let before = |name: &String| known.1.iter().find(|(known, _)| known == name);
+            let same = |pair: &(String, String)| before(&pair.0).is_none_or(|known| known == pair);
+            pairs.iter().all(same) && pairs.iter().any(|(name, _)| before(name).is_none())
+        };
+        match known.filter(|known| other(known)) {
+            Some((_, known)) => {
+                pairs.retain(|pair| !known.contains(pair));
+                known.extend(pairs);
+            }
+            None => {
+                places.insert(sizes, joined.len());
+                joined.push((line, pairs));
+            }
+        }
+    }
+    joined
+}
+
 fn records_of(lines: &[(u64, &str)], begins: Records) -> Option<Block> {
     let paired = lines.iter().map(|(line, text)| (*line, pairs(text)));
-    let lines: Vec<(u64, Vec<(String, String)>)> =
-        paired.filter(|(_, pairs)| !pairs.is_empty()).collect();
+    let lines: Vec<Record> = paired.filter(|(_, pairs)| !pairs.is_empty()).collect();
     // Names are looked up one by one: a log with more of them is none of a study.
     if lines.iter().map(|(_, pairs)| pairs.len()).sum::<usize>() > MOST_PAIRS {
         return None;
@@ -129,7 +174,7 @@ fn records_of(lines: &[(u64, &str)], begins: Records) -> Option<Block> {
     let sized = |pairs: &[(String, String)]| pairs.iter().any(|(name, _)| is_size(name));
     // `(h = 1/32, 1/64)` in one line is a remark.
     let any = lines.iter().filter(|(_, pairs)| sized(pairs)).count() > 1;
-    let mut records: Vec<(u64, Vec<(String, String)>)> = Vec::new();
+    let mut records: Vec<Record> = Vec::new();
     let mut heading = None;
     for (line, mut pairs) in lines {
         if begins == Records::Lines {
@@ -153,12 +198,14 @@ fn records_of(lines: &[(u64, &str)], begins: Records) -> Option<Block> {
             }
         }
     }
+    let end = records.last().map_or(0, |(line, _)| *line);
+    let records = joined(records);
     if records.len() < 2 {
         return None;
     }
     // A name of one record alone is a heading of the log.
     let mut names: Vec<String> = Vec::new();
-    let mut count = std::collections::HashMap::new();
+    let mut count = HashMap::new();
     let mut repeated = Vec::new();
     for (_, pairs) in &records {
         for (at, (name, _)) in pairs.iter().enumerate() {
@@ -172,7 +219,7 @@ fn records_of(lines: &[(u64, &str)], begins: Records) -> Option<Block> {
     names.retain(|name| 2 * count[name] > records.len() && !repeated.contains(name));
     repeated.sort();
     repeated.dedup();
-    let row = |(line, pairs): &(u64, Vec<(String, String)>)| {
+    let row = |(line, pairs): &Record| {
         let value = |name: &String| pairs.iter().find(|(key, _)| key == name);
         let text = |name: &String| value(name).map_or(String::new(), |(_, value)| value.clone());
         Cells { line: *line, cells: names.iter().map(text).collect() }
@@ -180,7 +227,7 @@ fn records_of(lines: &[(u64, &str)], begins: Records) -> Option<Block> {
     let there = |row: &Cells| row.cells.iter().any(|cell| !cell.is_empty());
     let rows: Vec<Cells> = records.iter().map(row).filter(there).collect();
     let line = rows.first().map(|row| row.line).filter(|_| !names.is_empty())?;
-    Some(Block { repeated, ..Block::of_rows(line, names, rows) })
+    Some(Block { repeated, end, ..Block::of_rows(line, names, rows) })
 }
 
 /// A list of sizes may be called `hs`.
@@ -221,35 +268,58 @@ pub(super) fn arrays(text: &str) -> Vec<Block> {
     vec![Block::of_columns(line, end, columns)]
 }
 
-/// `h =`, and its numbers in the lines below, as MATLAB prints a vector: columns of equal length.
+/// `h = 0.5 0.25`, its numbers in the lines below, as MATLAB prints a vector, or `h = 0.5` of a line for each level: columns of equal
+/// length.
 pub(super) fn assigned(text: &str) -> Vec<Block> {
-    if !text.lines().any(|line| line.trim_end().ends_with('=')) {
-        return Vec::new();
-    }
     let mut columns: Vec<(String, Vec<String>)> = Vec::new();
-    let (mut line, mut end, mut scale) = (None, 0, 1.0);
+    let (mut line, mut end, mut scale, mut open) = (None, 0, 1.0, false);
     for (at, text) in (1..).zip(text.lines()) {
-        let words: Vec<&str> = text.split_whitespace().collect();
+        let (name, values) = text.rsplit_once(['=', ':']).unwrap_or(("", text));
+        let name = name.trim();
+        if name.is_empty() && !open {
+            continue;
+        }
+        let words = values.split_whitespace().map(|word| word.trim_end_matches([',', ';']));
+        let words: Vec<&str> = words.filter(|word| !word.is_empty()).collect();
         let numbers: Option<Vec<f64>> =
             words.iter().map(|word| number(word).map(|number| number.value)).collect();
         match (&words[..], numbers) {
-            ([], _) | (["Columns" | "Column", ..], _) => {}
-            ([name, "="], _) => {
+            ([], _) if text.trim_end().ends_with('=') && !name.contains(' ') => {
                 columns.push((singular(name), Vec::new()));
-                (line, scale) = (line.or(Some(at)), 1.0);
+                (line, scale, open) = (line.or(Some(at)), 1.0, true);
             }
+            ([], _) | (["Columns" | "Column", ..], _) => {}
             ([factor, "*"], _) => scale = number(factor).map_or(1.0, |number| number.value),
-            (_, Some(numbers)) if !columns.is_empty() => {
+            (_, Some(numbers)) if name.is_empty() => {
                 let scaled = numbers.into_iter().map(|number| format!("{:e}", number * scale));
                 columns.last_mut().into_iter().for_each(|(_, cells)| cells.extend(scaled.clone()));
                 end = at;
+            }
+            (_, Some(numbers))
+                if numbers.len() > 1 || is_size(name) && !name.contains(['=', ':']) =>
+            {
+                let cells = words.iter().map(|&word| word.to_owned());
+                let name = singular(name);
+                let known = columns.iter_mut().find(|known| known.0 == name && numbers.len() == 1);
+                match known {
+                    Some((_, known)) => known.extend(cells),
+                    None => columns.push((name, cells.collect())),
+                }
+                (line, end, open) = (line.or(Some(at)), at, false);
             }
             _ => {}
         }
     }
     columns.retain(|(name, cells)| cells.len() > 1 && !is_rate(name));
-    let alike = |pair: &[(String, Vec<String>)]| pair[0].1.len() == pair[1].1.len();
-    match line.filter(|_| columns.len() > 1 && columns.windows(2).all(alike)) {
+    // Beside lists of sizes and errors others may be of something else.
+    let known = |(name, _): &&(String, Vec<String>)| is_size(name) || is_norm(name);
+    let count = columns.iter().find(known).or(columns.first()).map_or(0, |(_, cells)| cells.len());
+    columns.retain(|column| known(&column) || column.1.len() == count);
+    // Lists of one name, below headings, are those of several tables.
+    let alike = |(at, (name, cells)): (usize, &(String, Vec<String>))| {
+        cells.len() == count && columns[..at].iter().all(|(before, _)| before != name)
+    };
+    match line.filter(|_| columns.len() > 1 && columns.iter().enumerate().all(alike)) {
         Some(line) => vec![Block::of_columns(line, end, columns)],
         None => Vec::new(),
     }

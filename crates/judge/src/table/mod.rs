@@ -5,6 +5,7 @@
 mod cell;
 mod columns;
 mod group;
+mod guess;
 mod line;
 mod loose;
 mod names;

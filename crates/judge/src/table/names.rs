@@ -14,9 +14,16 @@ pub(super) fn head(
     let (mut texts, types) = nearest(above);
     left_out.extend(types);
     let words = |line: &Line| line.names(separator, width);
+    // `ans =` above a matrix and `error = 0.1` of a log name no columns.
+    let assigns = |line: &Line| {
+        let value = line.text.rsplit_once('=').map(|(_, value)| value.trim());
+        value.is_some_and(|value| {
+            value.split([' ', ',']).all(|word| word.is_empty() || number(word).is_some())
+        })
+    };
     // A title may stand between the names and the rows.
     if let [title, names, ..] = texts[..]
-        && is_title(title)
+        && (is_title(title) || assigns(title))
         && title.cells.len() < width
         && names.cells.len() == width
         && names.cells.iter().any(|name| is_size(name))
@@ -36,11 +43,6 @@ pub(super) fn head(
         title,
         left_out,
         ..Block::of_rows(line, names, rows)
-    };
-    // `ans =` above a matrix and `error = 0.1` of a log name no columns.
-    let assigns = |line: &&&Line| {
-        let value = line.text.rsplit_once('=').map(|(_, value)| value.trim());
-        value.is_some_and(|value| value.is_empty() || number(value).is_some())
     };
     let Some(first) = texts.first().filter(|line| !assigns(line)) else {
         return block(Vec::new(), String::new(), rows, left_out);

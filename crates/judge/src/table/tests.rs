@@ -165,7 +165,12 @@ fn what_is_no_table_is_refused() {
     let cases = [
         ("h,x\n1,1\n", "1: no column of errors among `x`: --p x=2 makes `x` one"),
         ("x,error\n1,1\n", "1: no column of sizes: --ratio 2 if each row halves the step"),
-        ("h,error,value\n1,1,1\n", "1: both `error` and `value`"),
+        ("M,S\n1,0.5\n2,0.1\n4,0.02\n", "1: no column of errors among `M`, `S`"),
+        ("Re,error\n100,0.1\n200,0.2\n400,0.4\n", "1: no column of sizes"),
+        ("n,time\n1,0.9\n2,0.4\n4,0.2\n", "1: no column of errors"),
+        ("n,S\n1,9\n2,4\n4,2\n", "1: no column of errors among `S`"),
+        ("n,S,T\n1,0.9,0.5\n2,0.1,0.6\n4,0.03,0.4\n", "1: no column of errors among `S`, `T`"),
+        ("grid,error\n20x40,1\n40x40,2\n", "2: grid = 20x40 is no mesh of the shape of the others"),
         ("h,error\n", "1: no table"),
         ("", "1: no table"),
         ("0.5,1\n0.25,2\n", "1: no header"),

@@ -1,6 +1,7 @@
 //! Finds the tables of a text: lines are classified, rows that agree make a block, the line above names its columns.
 
 use super::cell::{Role, is_norm, is_size, number, role};
+use super::guess::{has_errors, unnamed};
 use super::line::{
     Block, Cells, Kind, Line, Separator, classify, is_title, is_word, numbers, plain, uncommented,
 };
@@ -8,9 +9,8 @@ use super::loose::{self, Records};
 use super::names::head;
 
 /// The ways to cut a text into blocks.
-const WAYS: [fn(&str) -> Vec<Block>; 14] = [
+const WAYS: [fn(&str) -> Vec<Block>; 15] = [
     loose::arrays,
-    loose::assigned,
     loose::across,
     |text| blocks(text, Separator::Latex),
     |text| blocks(text, Separator::Pipe),
@@ -19,10 +19,12 @@ const WAYS: [fn(&str) -> Vec<Block>; 14] = [
     |text| blocks(text, Separator::Character(',')),
     loose::ruled,
     |text| blocks(text, Separator::Blanks),
+    loose::assigned,
     |text| loose::records(text, Records::Lines),
     |text| loose::records(text, Records::BySize),
     |text| loose::records(text, Records::InTurn),
     loose::lying,
+    nameless,
 ];
 
 /// The blocks by every way to cut the text, each as a list: the first with a table in it is meant. What nothing is found in is
@@ -42,7 +44,32 @@ pub(super) fn readings(text: &str) -> impl Iterator<Item = Vec<Block>> {
     })
 }
 
+/// Rows below no names: their numbers say what they are.
+fn nameless(text: &str) -> Vec<Block> {
+    for separator in Separator::ALL {
+        let blocks = cut(text, separator, true);
+        // Names that fit are not passed over.
+        let fits = |block: &Block| block.names.len() == block.rows[0].cells.len();
+        if blocks.iter().any(|block| fits(block) && block.names.len() > 1 && block.rows.len() > 1) {
+            break;
+        }
+        let bare = |block: Block| unnamed(&block).unwrap_or(block);
+        // `a = 1 2` is no row.
+        let row = |block: &Block| !block.rows[0].cells.contains(&"=".to_owned());
+        let bare: Vec<Block> = blocks.into_iter().filter(row).map(bare).collect();
+        if bare.iter().any(has_errors) {
+            return bare;
+        }
+    }
+    Vec::new()
+}
+
 fn blocks(text: &str, separator: Separator) -> Vec<Block> {
+    cut(text, separator, false)
+}
+
+/// `bare` keeps a column of numbers below no name.
+fn cut(text: &str, separator: Separator, bare: bool) -> Vec<Block> {
     if !separator.is_in(text) {
         return Vec::new();
     }
@@ -124,7 +151,7 @@ fn blocks(text: &str, separator: Separator) -> Vec<Block> {
         let block = titled(block, found.last(), &lines[..first], width);
         // One column alone is one of errors, or a list of something else.
         let one = |name: &String| is_norm(name) && !name.contains([',', ';', '|', '&', '=']);
-        if width > 1 || block.names.first().is_some_and(one) {
+        if width > 1 || bare || block.names.first().is_some_and(one) {
             found.push(block);
         }
     }
@@ -143,8 +170,9 @@ fn trim(lines: &[Line], rows: &mut Vec<usize>, left_out: &mut Vec<u64>) {
         let first = lines[at].cells.first();
         first.is_some_and(|cell| {
             is_word(cell)
-                && cell.starts_with(char::is_alphabetic)
-                && cell.chars().filter(|c| c.is_alphabetic()).count() > 2
+                && (cell == "∞"
+                    || cell.starts_with(char::is_alphabetic)
+                        && cell.chars().filter(|c| c.is_alphabetic()).count() > 2)
         })
     };
     let sizes = |&at: &usize| {

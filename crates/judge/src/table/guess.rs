@@ -1,0 +1,194 @@
+//! What the numbers of columns say where their names do not.
+
+use super::Reading;
+use super::cell::{Measure, Role, is_norm, is_size, number};
+use super::columns::{Measured, listed};
+use super::line::{Block, Cells, is_word};
+
+/// Sizes that a person takes for such refine by one factor, as far as they are printed.
+const FACTORS_DIFFER: f64 = 0.005;
+const POWERS_DIFFER: f64 = 0.002;
+/// Unknowns, points and rounded lengths do so less closely.
+const COUNTS_DIFFER: f64 = 0.4;
+/// A larger factor is that of tolerances, of cells in three dimensions, or of samples.
+const LARGEST_FACTOR: f64 = 3.1;
+/// Numbers that fall by less in all may be values of something that tends to a limit.
+const LEAST_FALL: f64 = 3.5;
+/// Beside such a column others that fall by so much are errors, too.
+const LEAST_BESIDE: f64 = 1.5;
+/// Names of what has none, with a number.
+const COLUMN: &str = "column";
+const LINE: &str = "line";
+const OTHERS: &str =
+    "time cpu wall sec tol eps iter residual expect predict theor std deviation log memory speed";
+
+/// The numbers of a column without gaps.
+fn numbers(rows: &[Cells], at: usize) -> Option<Vec<f64>> {
+    let numbers = rows.iter().map(|row| number(row.cells.get(at)?).map(|number| number.value));
+    numbers.collect::<Option<Vec<f64>>>().filter(|n| n.len() > 2 && n.iter().all(|n| *n > 0.0))
+}
+
+/// The factor from row to row, if it is about the same everywhere.
+fn factor(numbers: &[f64], differ: f64) -> Option<f64> {
+    let factors = || numbers.windows(2).map(|pair| pair[1] / pair[0]);
+    let first = factors().next()?;
+    factors().all(|factor| (factor / first - 1.0).abs() < differ).then_some(first)
+}
+
+/// What the sizes of a column without such a name are.
+fn size(rows: &[Cells], at: usize) -> Option<Measure> {
+    let numbers = numbers(rows, at)?;
+    let whole = numbers.iter().all(|number| number.fract() == 0.0);
+    let factor = factor(&numbers, if whole { 1e-9 } else { FACTORS_DIFFER })?;
+    let sound = factor.max(1.0 / factor) < LARGEST_FACTOR && (factor - 1.0).abs() > 0.2;
+    match (sound, whole, factor > 1.0) {
+        (true, true, true) => Some(Measure::Number),
+        (true, false, _) => Some(Measure::Length),
+        _ => None,
+    }
+}
+
+/// Whether the rows refine from first to last, or from last to first, at one rate.
+fn refines(rows: &[Cells], at: usize, measure: Measure) -> Option<bool> {
+    let factor = || factor(&numbers(rows, at)?, COUNTS_DIFFER).filter(|f| (f - 1.0).abs() > 0.2);
+    let level = measure == Measure::Level;
+    if level { Some(true) } else { Some((factor()? > 1.0) != (measure == Measure::Length)) }
+}
+
+/// By how much the numbers of a column fall towards the finest row, if they do in each.
+fn fall(rows: &[Cells], at: usize, forward: bool) -> Option<f64> {
+    let mut numbers = numbers(rows, at)?;
+    if !forward {
+        numbers.reverse();
+    }
+    let falling = numbers.windows(2).all(|pair| pair[1] < pair[0]);
+    falling.then(|| numbers[0] / numbers[numbers.len() - 1])
+}
+
+/// By how much a column below 1 falls that may be one of errors, 0 if it does not; none for powers of a size and what has no number.
+fn fall_of_errors(block: &Block, at: usize, forward: bool) -> Option<f64> {
+    let numbers = numbers(&block.rows, at).filter(|_| !is_other(&block.names[at]))?;
+    let small = numbers.iter().all(|number| *number < 1.0);
+    let fall = fall(&block.rows, at, forward).filter(|_| small).unwrap_or(0.0);
+    factor(&numbers, POWERS_DIFFER).is_none().then_some(fall)
+}
+
+fn is_other(name: &str) -> bool {
+    OTHERS.split(' ').any(|other| name.to_lowercase().contains(other))
+}
+
+/// Sizes and errors that no name says, by their numbers: the place of such a size, and whether the rows refine from first to last.
+pub(super) fn by_numbers(
+    block: &Block,
+    reading: &Reading,
+    roles: &mut [Role],
+    notes: &mut Vec<String>,
+) -> Option<(usize, bool)> {
+    let rows = &block.rows;
+    // Numbers are no names.
+    if block.names.iter().any(|name| number(name).is_some()) {
+        return None;
+    }
+    let unknown = |role: &Role| *role == Role::Unknown;
+    let sized = |role: &Role| match *role {
+        Role::Space(measure) | Role::Time(measure) => Some(measure),
+        _ => None,
+    };
+    let mut counted = None;
+    if roles.iter().all(|role| sized(role).is_none()) && reading.ratio.is_none() && roles.len() > 1
+    {
+        let open = |at: &usize| unknown(&roles[*at]) && !is_other(&block.names[*at]);
+        let mut open = (0..roles.len()).filter(open);
+        counted = open.find_map(|at| size(rows, at).map(|measure| (at, measure)));
+        if let Some((at, measure)) = counted {
+            roles[at] = Role::Space(measure);
+        }
+    }
+    let sizes = roles.iter().enumerate().filter_map(|(at, role)| Some((at, sized(role)?)));
+    let mut forward = sizes.filter_map(|(at, measure)| refines(rows, at, measure));
+    // Rows without sizes refine as they stand.
+    let forward = forward.next().or(roles.iter().all(|role| sized(role).is_none()).then_some(true));
+    let named = roles.iter().any(|role| matches!(role, Role::Error | Role::Value | Role::Wide));
+    // Where names say something, they say one of the two, and nothing is beside the errors that does not fall. Of several columns
+    // without names one is a size.
+    let first = |what: &str| block.names.first().is_some_and(|name| *name == format!("{what} 1"));
+    let (lines, bare) = (first(LINE), first(LINE) || first(COLUMN));
+    let sizes = !bare || lines || counted.is_some() || roles.len() == 1;
+    let open = !named && !of_errors(&block.title) && sizes && (bare || counted.is_none());
+    if let Some(forward) = forward.filter(|_| open) {
+        let open = (0..roles.len()).filter(|&at| unknown(&roles[at]));
+        let falls = open.filter_map(|at| Some((at, fall_of_errors(block, at, forward)?)));
+        let falls: Vec<(usize, f64)> =
+            falls.filter(|(_, fall)| !bare || *fall > LEAST_BESIDE).collect();
+        let sound = falls.iter().all(|(_, fall)| *fall > LEAST_BESIDE);
+        if sound && falls.iter().any(|(_, fall)| *fall > LEAST_FALL) {
+            let falling: Vec<usize> = falls.into_iter().map(|(at, _)| at).collect();
+            let names = listed(falling.iter().map(|&at| &block.names[at]));
+            notes.push(format!("{names} taken for errors because they fall"));
+            falling.into_iter().for_each(|at| roles[at] = Role::Wide);
+        }
+    }
+    counted.map(|(at, _)| (at, forward.unwrap_or(true)))
+}
+
+/// A size by its numbers is one where all errors fall with it.
+pub(super) fn confirm(
+    block: &Block,
+    counted: Option<(usize, bool)>,
+    roles: &mut [Role],
+    notes: &mut Vec<String>,
+) {
+    let Some((at, forward)) = counted else { return };
+    let errors =
+        (0..roles.len()).filter(|&of| matches!(roles[of], Role::Error | Role::Value | Role::Wide));
+    let mut falls = errors.map(|of| fall(&block.rows, of, forward).is_some());
+    if falls.next() == Some(true) && falls.all(|falls| falls) {
+        notes.insert(0, format!("`{}` taken for a size by its numbers", block.names[at]));
+    } else {
+        roles[at] = Role::Unknown;
+    }
+}
+
+/// A block below no text, its columns numbered, or its lines if they are few and long.
+pub(super) fn unnamed(block: &Block) -> Option<Block> {
+    let width = block.rows[0].cells.len();
+    let sound =
+        |row: &Cells| row.cells.len() == width && !row.cells.iter().any(|cell| is_word(cell));
+    if !block.names.is_empty() && (width > 1 || is_size(&block.names[0]))
+        || !block.rows.iter().all(sound)
+    {
+        return None;
+    }
+    let numbered =
+        |what: &str, count: usize| (1..=count).map(|at| format!("{what} {at}")).collect();
+    let lying = width > 2 * block.rows.len();
+    let named = if lying {
+        let lines: Vec<String> = numbered(LINE, block.rows.len());
+        let cells = block.rows.iter().map(|row| row.cells.clone());
+        Block::of_columns(block.line, block.end, lines.into_iter().zip(cells).collect())
+    } else {
+        Block { names: numbered(COLUMN, width), ..block.clone() }
+    };
+    Some(Block { title: block.names.join(" "), ..named })
+}
+
+/// Whether a column without a name is one of errors.
+pub(super) fn has_errors(block: &Block) -> bool {
+    let mut roles = vec![Role::Unknown; block.names.len()];
+    by_numbers(block, &Reading::default(), &mut roles, &mut Vec::new());
+    roles.contains(&Role::Wide)
+}
+
+/// Whether a title says that errors stand below it; `rate error` is the error of a rate.
+pub(super) fn of_errors(title: &str) -> bool {
+    is_norm(title) || title.to_lowercase().contains("rate error")
+}
+
+/// Numbers between 0.2 and 15 that change by less than a factor of three, below a line that speaks of rates. An error that is refined
+/// twice changes by more, unless its order is below 0.8.
+pub(super) fn are_orders(title: &str, measured: &Measured) -> bool {
+    let said = ["rate", "order", "eoc", "slope"].iter().any(|w| title.to_lowercase().contains(w));
+    let all = || measured.entries.iter().flatten().copied();
+    let (least, most) = (all().fold(f64::MAX, f64::min), all().fold(0.0, f64::max));
+    said && all().count() > 2 && least > 0.2 && most < 15.0 && most < 3.0 * least
+}
