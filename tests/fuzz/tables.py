@@ -65,7 +65,7 @@ def number(cell):
         return None
     if found := FLOAT.fullmatch(text):
         return float(re.sub("[dD]", "e", found[0]))
-    if found := re.fullmatch(r"(\d+)/(\d+)", text):
+    if found := re.fullmatch(r"(\d+)/(0*[1-9]\d*)", text):
         return int(found[1]) / int(found[2])
     if found := re.fullmatch(r"2\^\{?(-?\d+)\}?", text):
         return 2.0 ** int(found[1])
