@@ -21,6 +21,8 @@ pub use equation::{Equation, Group, Terms, equations};
 pub use files::digits;
 pub(super) use html::page;
 pub(super) use markup::{markdown, tables, verdict_rows};
+#[cfg(all(test, feature = "pdf"))]
+pub(super) use pdf::paged;
 #[cfg(feature = "pdf")]
 pub use pdf::pdf;
 pub(super) use study::of_cases;
@@ -132,8 +134,8 @@ pub(crate) struct Figure {
     #[serde(skip)]
     pub(crate) svg: String,
     /// The picture in pieces, for a page that arranges them by its width.
-    #[serde(skip)]
-    pub(crate) pieces: Vec<String>,
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub(crate) pieces: Vec<Figure>,
 }
 
 impl Figure {
