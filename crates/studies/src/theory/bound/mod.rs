@@ -6,13 +6,13 @@ mod ladder;
 pub mod sampled;
 
 pub use ladder::{
-    BoundError, Contraction, ContractionStudy, Crossing, FactorAtLevel, Loss, Result, Starts,
-    StepLadder, StepRung, Thresholds, contraction, finite_factor,
+    Contraction, ContractionStudy, Crossing, FactorAtLevel, Loss, Starts, StepLadder, StepRung,
+    Thresholds, contraction, finite_factor,
 };
 pub use sampled::{Constant, Obtained};
 
 use self::sampled::TraceConstants;
-use crate::study::{Asked, Sizes, Study, StudyError, no_mesh};
+use crate::study::{Asked, Result, Sizes, Study, StudyError, no_mesh};
 use ::run::sweep::{Runs, admit_constants};
 use algebra::linalg::KRYLOV_VECTORS;
 use fem::contact::{Discretization, Evolution};
@@ -43,7 +43,7 @@ pub const STUDY: Study = Study {
     run: of_scene,
 };
 
-fn of_scene(scene: Scene, asked: &Asked) -> Result<Findings, StudyError> {
+fn of_scene(scene: Scene, asked: &Asked) -> Result<Findings> {
     admit_constants(&scene, false, &asked.limit)?;
     let subject = Subject::new(scene)?;
     let scene = subject.scene();
@@ -115,10 +115,10 @@ impl BoundStudy {
     /// Studies a scene on the mesh `n`, along a run with `steps` steps.
     ///
     /// # Errors
-    /// [`BoundError`].
+    /// [`StudyError`].
     pub fn new(setup: &Setup, n: u32, steps: u32) -> Result<Self> {
         if setup.model.time_rule.last_share() == 0.0 {
-            return Err(BoundError::NoLastSlot);
+            return Err(no_last_slot());
         }
         let traces = TraceConstants::new(setup, &*setup.space(n)?)?;
         let whole = scene::setup::constants(setup)?;
@@ -156,11 +156,11 @@ impl BoundStudy {
     /// Studies an abstract scene along a run with `steps` steps.
     ///
     /// # Errors
-    /// [`BoundError`].
+    /// [`StudyError`].
     pub fn of_abstract(setup: &AbstractSetup, steps: u32) -> Result<Self> {
         let (model, c) = (&setup.model, &setup.constants);
         if model.time_rule.last_share() == 0.0 {
-            return Err(BoundError::NoLastSlot);
+            return Err(no_last_slot());
         }
         let limits = c.step_bounds(model.time_rule.as_ref());
         let (grid, mut load) = (setup.grid(steps), AbstractLoad(setup));
@@ -213,6 +213,11 @@ impl BoundStudy {
     pub fn holds(&self) -> bool {
         Claim::all_hold(&self.claims)
     }
+}
+
+/// Λ is constant.
+fn no_last_slot() -> StudyError {
+    StudyError::other("the time rule gives the last slot no weight: every k is within (3.4)")
 }
 
 fn at(k: f64) -> String {
@@ -284,7 +289,7 @@ pub fn claims(bounds: &StepBounds, rungs: &[StepRung], found: &Thresholds) -> Ve
 /// Runs the scene on the mesh `n` with `steps` steps and studies its worst level.
 ///
 /// # Errors
-/// [`BoundError`].
+/// [`StudyError`].
 pub fn study(setup: &Setup, bounds: &StepBounds, n: u32, steps: u32) -> Result<ContractionStudy> {
     let data = MeshData::new(setup, n, None)?;
     let levels = on_run(setup, &data, steps, |level| ladder::all_levels(level, bounds))?;
