@@ -26,8 +26,8 @@ pub use convergence::convergence_svg;
 #[cfg(feature = "pdf")]
 pub use document::pdf;
 pub use document::{
-    Chapter, Equation, Findings, Group, Row, Run, StudyDocument, Terms, Tone, answers, beside,
-    digits, equations, json_table, number, precise, text_table, verdict_table,
+    Chapter, Equation, Findings, Group, Run, StudyDocument, Terms, Tone, answers, beside, digits,
+    equations, json_table, text_table, verdict_table,
 };
 pub use junit::{AnnotationPlace, annotations, step_summary, write_junit};
 pub use map::{Cell, Map, Shade, split_svg};

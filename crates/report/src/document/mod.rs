@@ -26,7 +26,8 @@ pub(super) use pdf::paged;
 #[cfg(feature = "pdf")]
 pub use pdf::pdf;
 pub(super) use study::of_cases;
-pub use study::{Chapter, Findings, Row, StudyDocument, json_table, number, precise};
+pub use study::{Chapter, Findings, StudyDocument, json_table};
+pub(super) use study::{number, precise};
 pub(super) use terminal::outcome;
 pub use terminal::{beside, text_table, verdict_table};
 

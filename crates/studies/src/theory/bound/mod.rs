@@ -17,10 +17,10 @@ use ::run::sweep::{Runs, admit_constants};
 use algebra::linalg::KRYLOV_VECTORS;
 use fem::contact::{Discretization, Evolution};
 use judge::claim::{Claim, Place, Statement};
-use report::{Axis, Chapter, Chart, Findings, Mark, Part, Row, Run, Scale, Series, digits};
+use report::{Axis, Chapter, Chart, Findings, Mark, Part, Scale, Series, digits};
 use scene::setup::{AbstractLoad, AbstractSetup, MeshData, Setup, Smallness, Subject, TruthLoad};
 use scene::{Extension, Scene};
-use serde_json::json;
+use serde_json::{Value, json};
 use vhi::finite::FiniteEvolution;
 use vhi::{StepBounds, StepState};
 
@@ -363,7 +363,8 @@ impl BoundStudy {
         if let Some(reason) = &study.not_followed {
             document.words(format!("Nothing is measured: {reason}."));
         }
-        document.table("The bound in four numbers, k below each.", self.numbers());
+        let columns = "number = number; >k = k";
+        document.rows("The bound in four numbers, k below each.", &self.numbers(), columns);
         document.words(format!(
             "Measured in a run with {}; at its level {} (t = {}), where the factor is largest, the last step is taken again with other k. Of {} random starts at k = {} {} end at the same solution, {} elsewhere, {} nowhere.",
             self.grids(),
@@ -430,7 +431,7 @@ impl BoundStudy {
         format!("{mesh}N = {}", self.steps)
     }
 
-    fn numbers(&self) -> Vec<Row<'static, 2>> {
+    fn numbers(&self) -> Value {
         let (limits, study, found) = (&self.limits, &self.study, &self.study.thresholds);
         let limit = |k: f64| match k {
             k if k.is_infinite() => "every k".into(),
@@ -438,9 +439,7 @@ impl BoundStudy {
             _ => format!("no k: m0 = {}", digits(limits.m0, 7)),
         };
         let mut rows = Vec::new();
-        let mut say = |what: &str, value: String| {
-            rows.push([("number", Run::plain(what)), (">k", Run::plain(value))]);
-        };
+        let mut say = |what: &str, value: String| rows.push(json!({ "number": what, "k": value }));
         say("1: (3.4), the paper's norm of ℬ", limit(limits.paper_limit()));
         say("1: (3.4), operator norm", limit(limits.limit()));
         say("2: sharpened, half weight, terms apart", limit(limits.sharpened_limit()));
@@ -459,7 +458,7 @@ impl BoundStudy {
         if let Some(ratio) = self.ratio() {
             say("3 over 1, the paper's norm", digits(ratio, 6));
         }
-        rows
+        rows.into()
     }
 
     /// Factors of Λ against k with their bounds; none if no number can be drawn.

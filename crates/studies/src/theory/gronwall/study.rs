@@ -15,7 +15,7 @@ use crate::study::{Asked, Result, Sizes, Study, StudyError};
 use algebra::linalg::{largest, signed_unit};
 use fem::contact::Discretization;
 use judge::claim::{Claim, Place, Statement};
-use report::{Axis, Chapter, Chart, Findings, Part, Run, Scale, Series, precise};
+use report::{Axis, Chapter, Chart, Findings, Part, Scale, Series};
 use run::sweep::{Runs, admit_constants, lowest_common_multiple};
 use scene::Scene;
 use scene::setup::{Setup, Subject};
@@ -159,12 +159,9 @@ pub fn study(subject: &Subject, plan: &StudyRuns) -> Result<Findings> {
     );
     let constants = in_time.constants();
     findings.number("constants", constants.iter().copied().collect::<BTreeMap<_, _>>());
-    findings.document.table(
-        "Constants of the inequality.",
-        constants.iter().map(|(name, value)| {
-            [("constant", Run::formula(name)), (">value", precise(*value, 7))]
-        }),
-    );
+    let rows = constants.iter().map(|(name, value)| json!({ "name": name, "value": value }));
+    let columns = "constant = name formula; >value = value 7";
+    findings.document.rows("Constants of the inequality.", &rows.collect(), columns);
     Ok(findings)
 }
 
