@@ -7,7 +7,6 @@ use run::FrontError;
 use scene::SceneError;
 use scene::setup::SetupError;
 use studies::study::StudyError;
-use studies::trade::TradeError;
 
 /// The exit code where nothing could be judged.
 pub(super) const COULD_NOT_JUDGE: u8 = 2;
@@ -29,8 +28,7 @@ impl<E: Error + 'static> From<E> for CliError {
         let of_scene = any.is::<SceneError>()
             || any.is::<SetupError>()
             || matches!(any.downcast_ref(), Some(FrontError::Scene(_) | FrontError::Setup(_)))
-            || matches!(any.downcast_ref(), Some(StudyError::Scene(_) | StudyError::Setup(_)))
-            || matches!(any.downcast_ref(), Some(TradeError::Setup(_)));
+            || matches!(any.downcast_ref(), Some(StudyError::Scene(_) | StudyError::Setup(_)));
         if of_scene { Self(error.to_string()) } else { Self::other(error) }
     }
 }

@@ -11,9 +11,10 @@ use fem::contact::{CaseError, TraceMass, TracePart, trace_constants};
 use judge::claim::{Claim, Standing};
 use nalgebra::DMatrix;
 use scene::setup::{MeshData, Setup, TruthLoad, constants, step_bounds};
+use studies::study::StudyError;
 use studies::theory::bound::{
-    BoundError, BoundStudy, ContractionStudy, Crossing, StepLadder, StepRung, Thresholds, at_level,
-    claims, contraction, finite_factor, sampled, study,
+    BoundStudy, ContractionStudy, Crossing, StepLadder, StepRung, Thresholds, at_level, claims,
+    contraction, finite_factor, sampled, study,
 };
 use vhi::history::TimeGrid;
 use vhi::law::{Potential, TensorField};
@@ -516,7 +517,7 @@ fn gated(
         let mut wrong = Wrong { sound: level, derivative, step };
         StepLadder::new(&mut wrong, bounds, state).rung(0.5)
     });
-    let rung = rung.unwrap_or_else(|error: BoundError| panic!("{error}"));
+    let rung = rung.unwrap_or_else(|error: StudyError| panic!("{error}"));
     let found = claims(&bounds, &[rung], &Thresholds::default());
     let found = failing(&found);
     assert!(found.iter().all(|claim| ["", "k = 0.5"].contains(&&*claim.place.at)));

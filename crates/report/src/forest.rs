@@ -6,14 +6,16 @@ use super::palette::{COLOURS, Colour, GRID, INK};
 use judge::fit::TOLERANCE;
 use judge::verdict::{Decision, Verdict};
 
-/// Width of a column and height of a row in units, two per pixel.
-const COLUMN: f64 = 850.0;
-const ROW: f64 = 27.0;
+/// Width of a column and height of a row in units: words of 20 units have 7 pt where a column is 86 mm wide, half of a page.
+const COLUMN: f64 = 690.0;
+const ROW: f64 = 25.0;
 const TEXT: f64 = 20.0;
 /// In a column: end of norms, the axis, start of predictions.
-const NORM: f64 = 448.0;
-const AXIS: (f64, f64) = (466.0, 734.0);
-const PREDICTION: f64 = 752.0;
+const NORM: f64 = 408.0;
+const AXIS: (f64, f64) = (422.0, 590.0);
+const PREDICTION: f64 = 614.0;
+/// Lines of a piece: a few pieces fill what a page has left.
+const PIECE: usize = 12;
 /// Ends of the axis of observed minus predicted order, on which a lost order of one has its place; what exceeds it gets an
 /// arrow, and an interval beyond it the number.
 const RANGE: (f64, f64) = (-1.25, 1.0);
@@ -112,6 +114,13 @@ pub(super) fn columns(lines: &[Line], count: usize) -> Vec<Vec<Line>> {
     }
     columns.retain(|column| !column.is_empty());
     columns
+}
+
+/// The lines in pieces for a page that arranges them; none where they are few.
+pub(super) fn pieces(lines: &[Line]) -> Vec<String> {
+    let count = lines.len().div_ceil(PIECE);
+    let pieces = if count > 1 { columns(lines, count) } else { Vec::new() };
+    pieces.into_iter().filter_map(|piece| svg(&[piece])).collect()
 }
 
 /// Columns side by side; None without lines.

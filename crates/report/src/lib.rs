@@ -26,8 +26,8 @@ pub use convergence::convergence_svg;
 #[cfg(feature = "pdf")]
 pub use document::pdf;
 pub use document::{
-    Chapter, Equation, Findings, Group, Row, Run, StudyDocument, Terms, Tone, answers, beside,
-    digits, equations, json_table, number, precise, text_table, verdict_table,
+    Chapter, Equation, Findings, Group, Run, StudyDocument, Terms, Tone, answers, beside, digits,
+    equations, json_table, text_table, verdict_table,
 };
 pub use junit::{AnnotationPlace, annotations, step_summary, write_junit};
 pub use map::{Cell, Map, Shade, split_svg};
@@ -114,9 +114,9 @@ pub enum ReportError {
 }
 
 /// Writes cases.csv, verdict.json, the pages and the pictures `SCENE-h.svg`, `SCENE-k.svg`, `SCENE-hk.svg`,
-/// `SCENE-scene.svg`, `SCENE-errors.svg` and `forest.svg` into `dir`, which is created if necessary. Pages are
-/// index.html, report.md, tables.tex, and report.typ with report.json. Obsolete files of an earlier report are removed,
-/// foreign ones stay.
+/// `SCENE-scene.svg`, `SCENE-errors.svg`, `forest.svg` and its pieces `forest-1.svg` and on into `dir`, which is created if
+/// necessary. Pages are index.html, report.md, tables.tex, and report.typ with report.json. Obsolete files of an earlier report
+/// are removed, foreign ones stay.
 ///
 /// # Errors
 /// [`ReportError`]; files written before stay.
@@ -157,13 +157,14 @@ pub fn write_all(
         (DATA, data(&document)),
     ];
     let figures = drawn.iter().flat_map(|drawn| drawn.figures.iter().chain(&drawn.card));
-    let figures = figures.chain(&forest).map(|figure| (figure.file.clone(), &*figure.svg));
+    let figures = figures.chain(&forest).chain(forest.iter().flat_map(|forest| &forest.pieces));
+    let figures = figures.map(|figure| (figure.file.clone(), &*figure.svg));
     let pages = pages.iter().map(|(name, text)| ((*name).to_owned(), text.as_str()));
     let files: Vec<(String, &str)> = figures.chain(pages).collect();
     Ok(write_listed(dir, &files)?)
 }
 
-/// The forest plot of all verdicts in two columns, and in three pieces.
+/// The forest plot of all verdicts in two columns, and in pieces.
 fn forest(scenes: &[Drawn<'_>], verdicts: &[Verdict]) -> Option<Figure> {
     let lines = forest::lines(verdicts, |name| {
         let drawn = scenes.iter().find(|drawn| drawn.scene.name == name);
@@ -172,8 +173,8 @@ fn forest(scenes: &[Drawn<'_>], verdicts: &[Verdict]) -> Option<Figure> {
     let svg = forest::svg(&forest::columns(&lines, 2))?;
     let caption = "Observed minus predicted order, with its 95 % interval, of every norm judged in h or k. Grey: the tolerance of a prediction; \
                    right: the order predicted; filled: pass; orange: not as expected.";
-    let pieces = forest::columns(&lines, 3);
-    let pieces = pieces.into_iter().filter_map(|piece| forest::svg(&[piece])).collect();
+    let piece = |(i, svg)| Figure::new(format!("forest-{i}.svg"), caption, svg);
+    let pieces = (1..).zip(forest::pieces(&lines)).map(piece).collect();
     Some(Figure { pieces, ..Figure::new("forest.svg", caption, svg) })
 }
 

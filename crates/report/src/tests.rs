@@ -219,6 +219,28 @@ fn two_scenes_do_not_share_a_file() {
     assert!(matches!(refused, Err(ReportError::SharedName { .. })));
 }
 
+/// Two dozen scenes with two pictures and four verdicts each, of which a page holds four, the forest plot and the chapters.
+#[test]
+#[cfg(feature = "pdf")]
+fn the_pdf_has_few_pages_a_scene() {
+    let names: Vec<String> = (0..24).map(|i| format!("scene-{i}")).collect();
+    let drawn = picture(&example("s"), &[], Direction::Space);
+    let scene = |name: &String| SceneSummary {
+        name: name.clone(),
+        question: "All four contact states, zones that move: do the orders of (5.26) hold?".into(),
+        picture: Some(drawn.clone()),
+        ..SceneSummary::default()
+    };
+    let scenes: Vec<SceneSummary> = names.iter().map(scene).collect();
+    let records: Vec<CaseRecord> = names.iter().flat_map(|name| example(name)).collect();
+    let verdicts: Vec<Verdict> = names.iter().flat_map(|name| verdicts(name, &records)).collect();
+    let dir = std::env::temp_dir().join(format!("gronwall-pages-{}", std::process::id()));
+    write_all(&dir, &scenes, &records, &verdicts, &serde_json::json!({}), None).unwrap();
+    let pages = document::paged(&dir, None).unwrap().pages().len();
+    assert!(pages <= 24 / 4 + 5, "{pages} pages");
+    fs::remove_dir_all(&dir).unwrap();
+}
+
 /// A PDF of everything that a document can contain depends only on its date.
 #[test]
 #[cfg(feature = "pdf")]

@@ -2,10 +2,14 @@
 
 use std::fmt::Display;
 
+use algebra::linalg::{EigenError, FactorError};
+use fem::contact::{CaseError, LoadError};
 use report::Findings;
 use run::sweep::{MemoryLimit, Refused};
 use scene::setup::SetupError;
 use scene::{Scene, SceneError};
+use vhi::FailedStep;
+use vhi::finite::FiniteError;
 
 /// `sweep NAME SCENE [--n] [--steps] [--out DIR]`. Help, options, text, JSON, files and exit code follow from this.
 pub struct Study {
@@ -82,13 +86,36 @@ pub enum StudyError {
     Setup(#[from] SetupError),
     #[error(transparent)]
     Memory(#[from] Refused),
+    /// No such bound: no history, or a constant that is not known, not finite or not positive.
+    #[error("scene `{scene}`{why}")]
+    Unbounded { scene: String, why: String },
+    #[error("a run: {0}")]
+    Case(#[from] CaseError),
+    #[error("a run: {0}")]
+    Finite(#[from] FiniteError),
+    #[error("a run: {0}")]
+    Step(#[from] FailedStep),
+    #[error(transparent)]
+    Load(#[from] LoadError),
+    #[error("a dual norm: {0}")]
+    Dual(#[from] FactorError),
+    #[error("a constant of the mesh: {0}")]
+    Constant(#[from] EigenError),
     #[error("{0}")]
     Other(String),
 }
 
+/// What a study computes.
+pub type Result<T, E = StudyError> = std::result::Result<T, E>;
+
 impl StudyError {
     pub fn other(error: impl Display) -> Self {
         Self::Other(error.to_string())
+    }
+
+    /// An error with where it is.
+    pub(crate) fn at(place: impl Display, error: impl Display) -> Self {
+        Self::Other(format!("{place}: {error}"))
     }
 }
 

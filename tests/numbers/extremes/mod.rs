@@ -7,7 +7,7 @@ mod command;
 mod defects;
 mod doubled;
 
-use judge::claim::Claim;
+use judge::claim::{Claim, Relation};
 use studies::extremes::{Ladder, UnderTest, catalogue, climb};
 
 /// A ladder of the catalogue.
@@ -53,6 +53,13 @@ fn ladders_have_names_of_their_own_and_rungs_too() {
             assert!(!ladder.why.is_empty() && ladder.rungs.len() >= 4, "{}", ladder.name);
             for (r, rung) in ladder.rungs.iter().enumerate() {
                 let others = &ladder.rungs[..r];
+                // A name that the data do not know is NaN.
+                let bound = match rung.expected {
+                    Relation::AtMost(most) => most,
+                    Relation::Within([_, most]) => most,
+                    _ => 0.0,
+                };
+                assert!(bound.is_finite(), "{} {}", ladder.name, rung.at);
                 assert!(
                     others.iter().all(|other| other.at != rung.at),
                     "{} {}",

@@ -192,10 +192,10 @@ fn quoted(text: &str) -> String {
 }
 
 fn of_figure(figure: &Figure) -> String {
-    let whole = std::slice::from_ref(&figure.svg);
+    let whole = std::slice::from_ref(figure);
     let pieces = if figure.pieces.is_empty() { whole } else { &figure.pieces };
     let kind = if figure.pieces.is_empty() { "scroll" } else { "pieces" };
-    let pieces: String = pieces.iter().map(|svg| labelled(svg, &figure.caption)).collect();
+    let pieces: String = pieces.iter().map(|piece| labelled(&piece.svg, &figure.caption)).collect();
     framed(figure, &format!("<div class=\"{kind}\" tabindex=\"0\">{pieces}</div>"))
 }
 

@@ -21,10 +21,13 @@ pub use equation::{Equation, Group, Terms, equations};
 pub use files::digits;
 pub(super) use html::page;
 pub(super) use markup::{markdown, tables, verdict_rows};
+#[cfg(all(test, feature = "pdf"))]
+pub(super) use pdf::paged;
 #[cfg(feature = "pdf")]
 pub use pdf::pdf;
 pub(super) use study::of_cases;
-pub use study::{Chapter, Findings, Row, StudyDocument, json_table, number, precise};
+pub use study::{Chapter, Findings, StudyDocument, json_table};
+pub(super) use study::{number, precise};
 pub(super) use terminal::outcome;
 pub use terminal::{beside, text_table, verdict_table};
 
@@ -132,8 +135,8 @@ pub(crate) struct Figure {
     #[serde(skip)]
     pub(crate) svg: String,
     /// The picture in pieces, for a page that arranges them by its width.
-    #[serde(skip)]
-    pub(crate) pieces: Vec<String>,
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub(crate) pieces: Vec<Figure>,
 }
 
 impl Figure {

@@ -25,10 +25,15 @@ const FACE: &str = "font-family=\"DejaVu Sans\"";
 /// # Errors
 /// [`ReportError::Typesetting`].
 pub fn pdf(dir: &Path, date: Option<&str>) -> Result<Vec<u8>, ReportError> {
+    let paged = paged(dir, date)?;
+    export(&paged, &PdfOptions::default()).map_err(|errors| refused(&errors))
+}
+
+/// Its pages.
+pub(crate) fn paged(dir: &Path, date: Option<&str>) -> Result<PagedDocument, ReportError> {
     let world = Sheets::read(dir, date)?;
     let set = typst::compile::<PagedDocument>(&world).output;
-    let paged = set.map_err(|errors| refused(&errors))?;
-    export(&paged, &PdfOptions::default()).map_err(|errors| refused(&errors))
+    set.map_err(|errors| refused(&errors))
 }
 
 fn refused(errors: &[SourceDiagnostic]) -> ReportError {

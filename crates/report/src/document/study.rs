@@ -101,9 +101,6 @@ pub struct StudyDocument {
     pub(crate) blocks: Vec<Block>,
 }
 
-/// A row of a table: each cell with the head of its column, which begins with `>` where the column holds numbers.
-pub type Row<'a, const N: usize> = [(&'a str, Run); N];
-
 impl StudyDocument {
     /// A study that has said nothing yet.
     pub fn new(chapter: Chapter, title: impl Into<String>) -> Self {
@@ -140,21 +137,6 @@ impl StudyDocument {
     /// The first paragraph: the answer to the question.
     pub fn answer(&mut self, text: impl Into<String>) {
         self.blocks.insert(0, Block::Text(vec![Run::plain(text)]));
-    }
-
-    /// A table; omitted without rows.
-    pub fn table<'a, const N: usize>(
-        &mut self,
-        caption: impl Into<String>,
-        rows: impl IntoIterator<Item = Row<'a, N>>,
-    ) {
-        let mut heads = [""; N];
-        let row = |row: Row<'a, N>| {
-            heads = row.each_ref().map(|(head, _)| *head);
-            row.map(|(_, cell)| cell).into()
-        };
-        let rows: Vec<Vec<Run>> = rows.into_iter().map(row).collect();
-        self.push(Table::new(caption, &heads, rows));
     }
 
     /// A table of rows of JSON, see [`json_table`].
@@ -251,7 +233,7 @@ impl StudyDocument {
 }
 
 /// Rows of JSON as a table of characters. A column is its head, the place of its value in a row, and its digits if they are
-/// not five, or MB for a number of bytes: `head = a/b 3; …`.
+/// not five, MB for a number of bytes, or formula: `head = a/b 3; …`.
 pub fn json_table(rows: &Value, columns: &str, width: u16) -> String {
     terminal::table(&Table::of_json("", rows, columns), width)
 }
@@ -266,6 +248,7 @@ impl Table {
         let columns: Vec<_> = columns.split(';').map(column).collect();
         let heads: Vec<&str> = columns.iter().map(|(head, ..)| &**head).collect();
         let cell = |value: Option<&Value>, form: &str| match value {
+            Some(Value::String(name)) if form == "formula" => Run::formula(name),
             Some(value @ (Value::String(_) | Value::Bool(_))) => Run::plain(text(value)),
             Some(value) if value.is_u64() && form != "MB" => Run::plain(text(value)),
             value => match (value.and_then(Value::as_f64), form) {
@@ -440,8 +423,9 @@ impl StudyDocument {
         let all = format!("{}, and every one holds.", counted(claims.len(), "claim"));
         self.verdict(Claim::all_hold(claims), &all, failures);
         if statements.len() == 1 {
-            let rows = claims.iter().map(|claim| row(claim, 1));
-            self.table("The claims: both sides, what rounding allows, and left/right.", rows);
+            let rows = claims.iter().map(|claim| row(claim, 1)).collect();
+            let caption = "The claims: both sides, what rounding allows, and left/right.";
+            self.push(Table::new(caption, &HEADS, rows));
         } else {
             let mut rows: Vec<_> = statements.into_iter().collect();
             rows.sort_by(|(a, _), (b, _)| match a.is_worse_than(b) {
@@ -449,17 +433,18 @@ impl StudyDocument {
                 false if b.is_worse_than(a) => std::cmp::Ordering::Greater,
                 false => std::cmp::Ordering::Equal,
             });
-            let rows = rows.into_iter().map(|(claim, count)| row(claim, count));
-            self.table(
-                "The claims, the tightest first: each where it is tightest of so many places, both sides there, what rounding allows, \
-                 and the tightness, left/right.",
-                rows,
-            );
+            let rows = rows.into_iter().map(|(claim, count)| row(claim, count)).collect();
+            let caption = "The claims, the tightest first: each where it is tightest of so many places, both sides there, what rounding allows, \
+                           and the tightness, left/right.";
+            self.push(Table::new(caption, &HEADS, rows));
         }
     }
 }
 
-fn row(claim: &Claim, count: usize) -> Row<'_, 9> {
+const HEADS: [&str; 9] =
+    ["claim", "says", "at", ">left", "", ">right", ">accuracy", ">tightness", ""];
+
+fn row(claim: &Claim, count: usize) -> Vec<Run> {
     let finite = |value: f64| Some(value).filter(|value| value.is_finite());
     let [relation, right] = match claim.relation {
         Relation::AtMost(right) => [Run::plain("≤"), number(finite(right))],
@@ -478,23 +463,20 @@ fn row(claim: &Claim, count: usize) -> Row<'_, 9> {
         1 => claim.place.to_string(),
         _ => format!("{}, of {count}", claim.place),
     };
-    [
-        ("claim", Run::plain(claim.statement.source)),
-        ("says", Run::formula(&signs(claim.statement.says))),
-        ("at", Run::plain(place)),
-        (">left", number(finite(claim.left))),
-        ("", relation),
-        (">right", right),
-        (
-            ">accuracy",
-            Run::plain(if claim.accuracy == 0.0 {
-                "–".into()
-            } else {
-                format!("{:.1e}", claim.accuracy)
-            }),
-        ),
-        (">tightness", precise(claim.tightness().and_then(finite), 3)),
-        ("", is),
+    let accuracy = match claim.accuracy {
+        0.0 => "–".to_owned(),
+        accuracy => format!("{accuracy:.1e}"),
+    };
+    vec![
+        Run::plain(claim.statement.source),
+        Run::formula(&signs(claim.statement.says)),
+        Run::plain(place),
+        number(finite(claim.left)),
+        relation,
+        right,
+        Run::plain(accuracy),
+        precise(claim.tightness().and_then(finite), 3),
+        is,
     ]
 }
 

@@ -1,15 +1,13 @@
 //! Ladders: one parameter from the ordinary to the extreme, and what each rung must show.
 
-pub(super) use judge::claim::Relation;
-
-use ::run::sweep::{MemoryLimit, Refused, Runs, without_panic};
+use ::run::sweep::without_panic;
 use algebra::linalg::{larger, largest};
-use fem::contact::{Discretization, KKT_ALLOWED, LevelFields};
+use fem::contact::LevelFields;
 use fem::norms::step_errors;
-use judge::claim::{Claim, Place, Standing, Statement};
-use report::{Cell, Chapter, Findings, Map, Shade};
+use judge::claim::Relation;
 use scene::setup::{MeshData, Setup};
 use scene::{Scene, Source};
+use serde::Deserialize;
 use vhi::Newton;
 
 /// What a run measured.
@@ -40,57 +38,53 @@ impl Measured {
     }
 }
 
-/// Runs a rung with the parts under test.
-pub type Climb = dyn Fn(&UnderTest<'_>) -> Result<Measured> + Send + Sync;
-
 /// One value of the parameter.
 pub struct Rung {
     /// The value in words.
     pub at: String,
     /// What it must show of its number, or the words in the first line of a typed error.
     pub expected: Relation,
-    /// The run.
-    pub run: Box<Climb>,
-    /// The largest run of a body in it, if that has more than a few thousand unknowns and levels together.
-    pub largest: Option<Largest>,
+    /// The value, NaN of words.
+    pub(super) value: f64,
+    pub(super) measure: Measure,
+    /// The scene with its n and N, and that of the rung which it is compared with, by name and value.
+    pub(super) text: String,
+    pub(super) n: u32,
+    pub(super) steps: u32,
+    pub(super) other: (String, f64, String),
+    /// Of length, stiffness, time and displacement.
+    pub(super) units: [f64; 4],
 }
 
-/// A run of a body: its scene, n and N.
-pub struct Largest {
-    /// The scene file.
-    pub text: String,
-    /// Cells per unit length.
-    pub n: u32,
-    /// Steps.
-    pub steps: u32,
-}
-
-impl Rung {
-    pub(crate) fn new(
-        at: impl Into<String>,
-        expected: Relation,
-        run: impl Fn(&UnderTest<'_>) -> Result<Measured> + Send + Sync + 'static,
-    ) -> Self {
-        Self { at: at.into(), expected, run: Box::new(run), largest: None }
-    }
-
-    /// A rung that is one run of a body, its text with n and N, and a number about the answer.
-    pub(super) fn body(
-        at: impl Into<String>,
-        expected: Relation,
-        (text, n, steps): (String, u32, u32),
-        value: impl Fn(&SceneAnswer) -> f64 + Send + Sync + 'static,
-    ) -> Self {
-        Self::new(at, expected, move |under_test| {
-            let answer = solve(text.clone(), n, steps, under_test.prepare)?;
-            Ok(Measured::of(value(&answer), &answer))
-        })
-    }
-
-    /// Names the largest run of a body in the rung, for the limit of memory.
-    pub(super) fn with_largest(self, text: String, n: u32, steps: u32) -> Self {
-        Self { largest: Some(Largest { text, n, steps }), ..self }
-    }
+/// A number about the run of a rung.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub(super) enum Measure {
+    /// The largest error of the strains relative to the displacements, and of the stresses relative to them.
+    Strain,
+    Stress,
+    /// The order in k of the former, from N = 8 to 64.
+    Order,
+    /// The size of the displacements, and iterations: nothing of either.
+    Nothing,
+    /// Difference of the displacements to those of the other rung, as they are or each over its load; of all fields.
+    Displacement,
+    Scaled,
+    Distance,
+    /// The error over Céa's bound, with a remark on the error or on the angles of cells.
+    Cea,
+    CeaAndError,
+    CeaAndAngle,
+    /// The same of a large λ on n and n/2, with what is left of the order.
+    Locking,
+    /// Of one vertex in contact, against the closed form.
+    Vertex,
+    /// The relative error of a scene in ℝ by Newton's method, or by Λ.
+    Newton,
+    Lambda,
+    /// Change of the nondimensional answer in other units, of scenes in the plane and of all.
+    Plane,
+    All,
 }
 
 /// All values of one parameter.
@@ -107,11 +101,6 @@ pub struct Ladder {
     /// From the first value to the last.
     #[serde(skip)]
     pub rungs: Vec<Rung>,
-}
-
-/// 10^e, the nearest double; the powers of ten that `powi` forms by multiplication are not.
-pub(super) fn power_of_ten(e: i32) -> f64 {
-    format!("1e{e}").parse().unwrap_or(f64::NAN)
 }
 
 // What one run of a scene answers, as far as extremes are judged by it.
@@ -245,103 +234,6 @@ pub(super) fn relative(a: &[f64], b: &[f64]) -> f64 {
     if difference == 0.0 { 0.0 } else { difference / size }
 }
 
-// Rungs climbed: each is a claim of its ladder, and one of the solver's residual.
-
-/// What the ladder claims of one rung, then the residual where there is one; a panic is a claim that fails and not the end
-/// of the others.
-pub fn climb(ladder: &Ladder, rung: &Rung, under_test: &UnderTest<'_>) -> Vec<Claim> {
-    claims(ladder, &rung.at, rung.expected, &caught(|| (rung.run)(under_test)))
-}
-
-/// What a rung claims of its outcome. NaN holds nowhere, and no refusal covers a panic.
-pub fn claims(
-    ladder: &Ladder,
-    at: &str,
-    expected: Relation,
-    outcome: &Result<Measured>,
-) -> Vec<Claim> {
-    let statement = Statement { source: ladder.name, says: ladder.quantity };
-    let place = Place { at: at.to_owned(), ..Place::default() };
-    let none = Claim { statement, place, relation: expected, ..Claim::default() };
-    match outcome {
-        Err(Unanswered::Panicked(text)) => {
-            let relation = Relation::AtMost(f64::NAN);
-            vec![Claim { relation, note: text.clone(), ..none }]
-        }
-        Err(Unanswered::Refused(said)) => vec![Claim { note: said.clone(), ..none }],
-        Ok(measured) => {
-            let claim = Claim { left: measured.value, note: measured.note.clone(), ..none };
-            // A solver may stop without a look at its residual.
-            let residual = measured.kkt.map(|kkt| {
-                let says = "largest relative residual, by separate evaluation";
-                let statement = Statement { source: "KKT", says };
-                let at = format!("{} at {at}", ladder.name);
-                Claim::at_most(statement, Place { at, ..Place::default() }, [kkt, KKT_ALLOWED], 0.0)
-            });
-            [Some(claim), residual].into_iter().flatten().collect()
-        }
-    }
-}
-
-/// All that was climbed, the claims of each rung. Files of ladders that were named carry their names, so that one run does
-/// not replace another.
-pub fn found(ladders: &[Ladder], named: &[String], climbed: &[Vec<Claim>]) -> Findings {
-    let title = (Chapter::Extremes, "Ladders and rungs".to_owned());
-    let mut findings = Findings::new(title, None, climbed.concat());
-    findings.document.scene = (!named.is_empty()).then(|| named.join("-"));
-    findings.table(
-        "ladders",
-        ladders,
-        "Ladders: the parameter, and the reason for what is expected.",
-        "ladder = name; parameter = parameter; expected because = why",
-    );
-    let shows = "every rung of the ladders against its expectation (sweep extremes).";
-    findings.document.figure("extremes", shows, Some(map(ladders, climbed)));
-    findings
-}
-
-/// The map of all rungs: one line a ladder, one cell a rung, shaded by how far the measured number is within what is allowed:
-/// the lightest at six decades or more, the darkest at the bound.
-fn map(ladders: &[Ladder], climbed: &[Vec<Claim>]) -> String {
-    let of_ladder = |ladder: &Ladder| -> Vec<Cell> {
-        let own = |claims: &&Vec<Claim>| claims[0].statement.source == ladder.name;
-        let rungs = climbed.iter().filter(own);
-        rungs.map(|claims| (claims[0].place.at.clone(), shade(claims))).collect()
-    };
-    let shades = || climbed.iter().map(|claims| shade(claims));
-    let wrong = shades().filter(|shade| *shade == Shade::Wrong).count();
-    let refused = shades().filter(|shade| *shade == Shade::Outside).count();
-    Map {
-        title: format!("{} rungs of {} ladders", climbed.len(), ladders.len()),
-        subtitle: format!("{refused} refused as expected, {wrong} not as expected"),
-        rows: ladders.iter().map(|ladder| (ladder.name.to_owned(), of_ladder(ladder))).collect(),
-        legend: [
-            (Shade::Within(0.3), "as expected, darker nearer the bound"),
-            (Shade::Outside, "refused as expected"),
-            (Shade::Wrong, "not as expected"),
-        ],
-        heads: Vec::new(),
-        notes: Vec::new(),
-    }
-    .svg()
-}
-
-/// Decades over which the shade goes from the darkest to the lightest.
-const DECADES: f64 = 6.0;
-
-fn shade(claims: &[Claim]) -> Shade {
-    let holds = claims.iter().all(|claim| claim.standing() == Standing::Passes);
-    match claims.first().filter(|_| holds) {
-        None => Shade::Wrong,
-        Some(Claim { relation: Relation::Refused(_), .. }) => Shade::Outside,
-        Some(Claim { relation: Relation::AtMost(most), left, .. }) => {
-            let decades = (most.max(f64::MIN_POSITIVE) / left.max(f64::MIN_POSITIVE)).log10();
-            Shade::Within(1.0 - decades / DECADES)
-        }
-        Some(_) => Shade::Within(0.5),
-    }
-}
-
 // The parts that the ladders test; a test passes in wrong ones.
 
 /// The parts under test.
@@ -356,39 +248,4 @@ impl Default for UnderTest<'_> {
     fn default() -> Self {
         Self { prepare: &|setup| setup, newton: Newton::default() }
     }
-}
-
-// What a rung takes of the memory.
-
-/// Refuses a rung that would take more memory than there may be. One without a mesh, or on a small one, takes next to
-/// none.
-///
-/// # Errors
-/// [`Refused`].
-pub fn admit(
-    ladder: &Ladder,
-    rung: &Rung,
-    under_test: &UnderTest<'_>,
-    limit: &MemoryLimit,
-) -> Result<(), Refused> {
-    let Some(largest) = &rung.largest else { return Ok(()) };
-    // A scene that is refused is so when it is climbed.
-    let Ok(setup) = set_up(largest.text.clone(), under_test.prepare) else { return Ok(()) };
-    // An answer is all levels: u and σ, in lists that double as they grow, and the moments that they are measured against.
-    let answer = |space: &Discretization, steps: u32| {
-        let d = space.mesh.dimension;
-        let (tensor, cells) = (d * (d + 1) / 2, space.mesh.cell_count());
-        let moments = 2 * tensor + d * (d + 1);
-        let numbers = 2 * (space.nodes.len() + tensor * cells) + moments * cells;
-        8.0 * (f64::from(steps) + 1.0) * numbers as f64
-    };
-    let grid = vec![(largest.n, largest.steps)];
-    let runs = Runs { setup: &setup, grid, beside: Box::new(answer) };
-    runs.admit(limit).map_err(|refused| Refused {
-        what: format!(
-            "{} at {} (other ladders, or none of --long, take less)",
-            ladder.name, rung.at
-        ),
-        source: refused.source,
-    })
 }

@@ -8,7 +8,7 @@
 use std::sync::Arc;
 
 use super::norms::remembered;
-use crate::study::{Asked, Sizes, Study, StudyError};
+use crate::study::{Asked, Result, Sizes, Study, StudyError};
 use algebra::tensor::{Symmetric, contract, norm};
 use exact::{
     Exact, ExactData, ExactOnMesh, InterpolatedOnMesh, LoadForm, MaterialNumbers, RegionNumbers,
@@ -27,7 +27,7 @@ use rayon::prelude::*;
 use report::{Chapter, Findings, digits};
 use run::sweep::{Runs, admit_constants, run_cost};
 use scene::setup::{MeshData, Setup, SetupError, constants, growth};
-use scene::{Extension, Face, Scene, TimeRule};
+use scene::{Extension, Face, Scene, SceneError, TimeRule};
 use serde::{Serialize, Serializer};
 use serde_json::json;
 use vhi::history::{Accumulated, Memory, TimeGrid};
@@ -53,15 +53,12 @@ pub const STUDY: Study = Study {
     run: of_scene,
 };
 
-fn of_scene(scene: Scene, asked: &Asked) -> Result<Findings, StudyError> {
+fn of_scene(scene: Scene, asked: &Asked) -> Result<Findings> {
     admit_constants(&scene, true, &asked.limit)?;
     let setup = Setup::new(scene)?;
     let (ns, steps) = asked.grid(&setup.scene, FINEST)?;
     audit_runs(&setup, &ns, &steps, asked.jobs).admit(&asked.limit)?;
-    audit(&setup, &ns, &steps).map_err(|error| match error {
-        AuditError::Setup(error) => error.into(),
-        other => StudyError::other(other),
-    })
+    audit(&setup, &ns, &steps)
 }
 
 // The constants that the bounds take, with whether each is a proved upper bound.
@@ -141,28 +138,6 @@ fn contact_length(setup: &Setup) -> f64 {
 }
 
 // The inequalities at one level, both sides as numbers.
-
-/// Why a scene cannot be audited.
-#[derive(Debug, thiserror::Error)]
-pub enum AuditError {
-    #[error(
-        "scene `{scene}` has no exact solution, and every line of the proof needs u: choose a scene with [exact]"
-    )]
-    NoTruth { scene: String },
-    #[error(
-        "scene `{scene}` is one in space, and the integrals of the audit over Γ3 are those of edges: choose a plane scene"
-    )]
-    Dimension { scene: String },
-    #[error(transparent)]
-    Setup(#[from] SetupError),
-    #[error("n = {n}, N = {steps}: {source}")]
-    Run {
-        /// Cells per unit length.
-        n: u32,
-        steps: u32,
-        source: fem::contact::CaseError,
-    },
-}
 
 /// Rounding of a sum, relative to the sum of its absolute terms: up to 10⁶ terms round to 1e-13 of it
 /// at worst, and the solver's residual, 16 units of rounding of its forces, is of that size too.
@@ -276,14 +251,15 @@ impl<'a> Auditor<'a> {
     /// An auditor of a run of `setup` on the mesh of `data`, n cells per unit length, with the given number of steps.
     ///
     /// # Errors
-    /// [`AuditError::NoTruth`].
+    /// The scene has no exact solution.
     pub fn new(
         setup: &'a Setup,
         data: &'a MeshData,
         steps: u32,
         constants: &'a AuditConstants,
-    ) -> Result<Self, AuditError> {
-        let missing = || AuditError::NoTruth { scene: setup.scene.name.clone() };
+    ) -> Result<Self, SceneError> {
+        let message = "the scene has no exact solution, and every line of the proof needs u";
+        let missing = || setup.scene.error("exact", message, "choose a scene with [exact]");
         let exact = setup.exact.clone().ok_or_else(missing)?;
         let (space, rule, grid) = (&data.space, setup.compliance_rule(), setup.grid(steps));
         let in_space = setup.body.data.is_interpolated();
@@ -624,19 +600,19 @@ fn minus(a: &Symmetric<3>, b: &Symmetric<3>) -> Symmetric<3> {
 /// The inequalities of a run of `setup` by its scheme, each at its worst level.
 ///
 /// # Errors
-/// [`AuditError`].
+/// [`StudyError`].
 pub fn audit_case(
     setup: &Setup,
     data: &MeshData,
     steps: u32,
     constants: &AuditConstants,
-) -> Result<Vec<Claim>, AuditError> {
+) -> Result<Vec<Claim>> {
     let mut auditor = Auditor::new(setup, data, steps, constants)?;
     let n = data.space.mesh.n;
     let run = setup
         .scheme
         .march(setup, data, steps, &mut |view| auditor.observe(view).map_err(CaseError::from));
-    let info = run.map_err(|source| AuditError::Run { n, steps, source })?;
+    let info = run.map_err(|source| StudyError::at(format!("n = {n}, N = {steps}"), source))?;
     let claims = auditor.claims(info.floors.v);
     Ok(Claim::worst(&claims).into_iter().map(|(worst, _)| worst.clone()).collect())
 }
@@ -663,8 +639,8 @@ pub fn audit_runs<'a>(setup: &'a Setup, ns: &[u32], steps: &[u32], jobs: usize) 
 /// Audits the runs of `setup` on the meshes `ns` with the numbers of steps `steps`, by the boundary rule of the model.
 ///
 /// # Errors
-/// [`AuditError`]: no exact solution, a run without result.
-pub fn audit(setup: &Setup, ns: &[u32], steps: &[u32]) -> Result<Findings, AuditError> {
+/// [`StudyError`]: no exact solution, a run without result.
+pub fn audit(setup: &Setup, ns: &[u32], steps: &[u32]) -> Result<Findings> {
     covered(setup)?;
     audit_under(setup, &AuditConstants::new(setup)?, ns, steps)
 }
@@ -678,15 +654,15 @@ pub fn audit_under(
     constants: &AuditConstants,
     ns: &[u32],
     steps: &[u32],
-) -> Result<Findings, AuditError> {
-    if setup.scene.dimension != 2 {
-        return Err(AuditError::Dimension { scene: setup.scene.name.clone() });
-    }
+) -> Result<Findings> {
+    let message = "the integrals of the audit over Γ3 are those of edges";
+    let in_space = setup.scene.dimension != 2;
+    setup.scene.refuse_if(in_space, "scene.dimension", message, "choose a plane scene")?;
     let mut claims = Vec::new();
     for &n in ns {
         let data = MeshData::new(setup, n, None)?;
         let run = |&steps: &u32| audit_case(setup, &data, steps, constants);
-        let cases = steps.par_iter().map(run).collect::<Result<Vec<_>, AuditError>>()?;
+        let cases = steps.par_iter().map(run).collect::<Result<Vec<_>>>()?;
         claims.extend(cases.into_iter().flatten());
     }
     Ok(found(setup, constants, claims))

@@ -11,7 +11,7 @@ mod study;
 use self::models::ErrorModel;
 pub use models::Cost;
 pub use optimum::{Choice, NoAnswer, Wanted};
-pub use study::{Trade, TradeError, front, measurable, trade};
+pub use study::{Trade, front, measurable, trade};
 
 /// Companions of a run go down to a fourth of n and N, and meshes up to four times the n of a run are made to foresee
 /// another one.

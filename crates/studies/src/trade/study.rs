@@ -5,13 +5,13 @@ use super::bench::{Bench, Trial, changes, element_meshes, trade_grid};
 use super::models::CostSample;
 use super::optimum::{Choice, Choices, Law, NoAnswer, Wanted, coupling};
 use super::{Cost, ErrorModel, SPAN};
+use crate::study::StudyError;
 use judge::claim::{Claim, Place, Statement};
 use judge::fit::{FLOORS_ABOVE, Point, Sample};
 use judge::record::{V_TIME_MAX, norm_label};
 use report::{Axis, Chapter, Chart, Datum, Findings, Mark, Part, Scale, Series, digits};
 use run::sweep::{
-    CasePlan, Cost as CaseCost, MemoryLimit, Overrides, Refused, ScenePlan, admit_constants,
-    admit_plan,
+    CasePlan, Cost as CaseCost, MemoryLimit, Overrides, ScenePlan, admit_constants, admit_plan,
 };
 use scene::setup::{Setup, SetupError, Subject, check_step_sizes};
 use scene::{Change, Extension, Scene};
@@ -30,20 +30,6 @@ pub struct Trade<'a> {
     /// Whether the answer is run.
     pub confirm: bool,
     pub limit: MemoryLimit,
-}
-
-/// Why a trade has no result.
-#[derive(Debug, thiserror::Error)]
-pub enum TradeError {
-    #[error(transparent)]
-    Setup(#[from] SetupError),
-    #[error(transparent)]
-    Memory(#[from] Refused),
-    #[error("every run failed; the first: {first}")]
-    AllFailed {
-        /// The message of the first run.
-        first: String,
-    },
 }
 
 /// The scene set up, if errors can be measured in it.
@@ -69,11 +55,11 @@ pub fn measurable(scene: &Scene) -> Result<Setup, SetupError> {
 /// Runs a trade; `heard` is told of each run. If no run has the error that is wanted, the reason stands beside the findings.
 ///
 /// # Errors
-/// [`TradeError`]; a run that fails is a claim that does.
+/// [`StudyError`]; a run that fails is a claim that does.
 pub fn trade(
     asked: &Trade<'_>,
     heard: &dyn Fn(&str),
-) -> Result<(Findings, Option<NoAnswer>), TradeError> {
+) -> Result<(Findings, Option<NoAnswer>), StudyError> {
     let Trade { setup, wanted, limit, .. } = asked;
     let changes = changes(setup);
     let [n, steps] =
@@ -86,8 +72,8 @@ pub fn trade(
         let Some(meshes) = meshes(setup, &change, [&n, &steps], limit, heard)? else { continue };
         bench.runs(&change, &meshes, &steps, heard);
         if !bench.trials.iter().any(|trial| trial.record.converged()) {
-            let first = bench.trials.first().and_then(Trial::failure).unwrap_or_default().into();
-            return Err(TradeError::AllFailed { first });
+            let first = bench.trials.first().and_then(Trial::failure).unwrap_or_default();
+            return Err(StudyError::at("every run failed; the first", first));
         }
         models.push(Models::of(change, &bench.trials, setup));
     }
@@ -129,7 +115,7 @@ fn admit_trade(
     n: &[u32],
     steps: &[u32],
     limit: &MemoryLimit,
-) -> Result<ScenePlan, TradeError> {
+) -> Result<ScenePlan, StudyError> {
     admit_constants(scene, false, limit)?;
     let overrides = Overrides { n: Some(n.to_vec()), steps: Some(steps.to_vec()) };
     let plan = ScenePlan::new(Subject::new(scene.clone())?, &overrides);

@@ -3,122 +3,51 @@
 //! They are written from the data of scenes, the verdicts, and the studies that other commands wrote into the
 //! directory; for a missing study only its command is named.
 
+use std::collections::BTreeMap;
+use std::sync::LazyLock;
+
 use crate::StepLimits;
 use crate::document::content::{Drawn, Report, tone};
 use crate::document::{
     Block, Chapter, Equation, Run, Section, StudyDocument, Table, Tone, number, precise,
 };
 use judge::verdict::cell_texts;
+use serde::Deserialize;
 
 #[cfg(test)]
 mod tests;
 
-/// How a chapter of studies begins: what is measured, with the inequalities of the paper.
+/// How a chapter of studies begins.
+#[derive(Deserialize)]
 struct Opening {
     chapter: Chapter,
-    id: &'static str,
-    title: &'static str,
-    words: &'static str,
-    /// As plain text, for Typst, and their numbers.
-    formulas: &'static [[&'static str; 3]],
-    more: &'static str,
+    id: String,
+    title: String,
+    words: String,
+    #[serde(default)]
+    formulas: Vec<[String; 3]>,
+    #[serde(default)]
+    more: String,
 }
 
-/// The scenes that break a hypothesis stand before [`Chapter::Trade`]; a diagnosis leaves no file, and needs none.
-const OPENINGS: [Opening; 6] = [
-    Opening {
-        chapter: Chapter::Bound,
-        id: "chapter-step-size",
-        title: "Step size: the bound (3.4)",
-        words: "A step of the scheme has one solution, and the map Λ, which freezes the last slot of the history and solves, contracts, \
-         if k is below the bound (3.4). The bound is sufficient only. Four numbers say how far:",
-        formulas: &[
-            ["m0 = m_A − α_φ − α_j c_j² > 0", "m_0 = m_A - alpha_phi - alpha_j c_j^2 > 0", "(2.9)"],
-            ["k β_φ ‖R‖ ‖q‖ < m0", "k beta_phi norm(R) thin norm(q) < m_0", "(3.4)"],
-            [
-                "‖Λη − Λη′‖ ≤ (k β_φ ‖R‖ ‖q‖ / m0) ‖η − η′‖",
-                "norm(Lambda eta - Lambda eta') <= (k beta_phi norm(R) thin norm(q))/m_0 norm(eta - eta')",
-                "(3.15)",
-            ],
-        ],
-        more: "1, the bound (3.4), with the norm that the paper takes of ℬ and with the operator norm; 2, sharpened: the last slot has the weight k/2, \
-         and each part of the history its own factor; 3, the k at which Λ stops contracting, as measured; 4, the k below which each \
-         step is a strongly monotone problem (solvable), and the k at which its solution ends, as followed. 1, 2 and 4 follow from the data of a scene.",
-    },
-    Opening {
-        chapter: Chapter::Gronwall,
-        id: "chapter-gronwall",
-        title: "Gronwall's inequality (3.24)",
-        words: "The last step of the proof of Theorem 7: e_n is the error in time at t_n, g_n the truncation error of the history, and each envelope \
-         bounds e_n. Effectivity is bound over measured error: 1 is attained, 10 says that the bound is ten times too large.",
-        formulas: &[
-            [
-                "e_n ≤ C₁ g_n + C₂ Σ′_{j≤n} w_{nj} e_j,   C₁ = β_φ/m0,   C₂ = β_φ ‖R‖ ‖q‖/m0",
-                "e_n <= C_1 g_n + C_2 limits(sum')_(j<=n) w_(n j) e_j, quad C_1 = beta_phi/m_0, quad C_2 = (beta_phi norm(R) thin norm(q))/m_0",
-                "(3.21)",
-            ],
-            [
-                "e_n ≤ C₁ max g / (1 − C₂k) · exp(C₂ n k/(1 − C₂k))",
-                "e_n <= (C_1 max g)/(1 - C_2 k) exp((C_2 n k)/(1 - C_2 k))",
-                "(3.24)",
-            ],
-        ],
-        more: "Weighted: each part of the history with its own factor at its own age. Primed: the sum above solved with equality; closed: its closed form. \
-         Printed: the sum with full weights, as printed, and (3.24), its closed form; both need C₂k < 1.",
-    },
-    Opening {
-        chapter: Chapter::Audit,
-        id: "chapter-audit",
-        title: "The inequalities of Theorems 10 and 11",
-        words: "Both sides of the inequalities of the proof of the error estimate, computed at every level of real runs. One holds if it does at all levels \
-         of all runs, up to the accuracy of its two sides.",
-        formulas: &[[
-            "max_n ‖u_n − u_n^{kh}‖ ≤ C k² + C max_n inf_{v∈K^h} (‖u_n − v‖ + ‖γ_j(u_n − v)‖^{1/2} + |E_n(v, u_n)|^{1/2})",
-            "max_n norm(u_n - u_n^(k h)) <= C k^2 + C max_n inf_(v in K^h) (norm(u_n - v) + norm(gamma_j (u_n - v))^(1\\/2) + abs(E_n (v, u_n))^(1\\/2))",
-            "(4.4)",
-        ]],
-        more: "",
-    },
-    Opening {
-        chapter: Chapter::Estimators,
-        id: "chapter-estimators",
-        title: "Estimators",
-        words: "What is said of an error without knowing it, beside the error: the estimate from coarser companions, and the guaranteed bound of the error \
-         in space. Reliable: the bound is not below the error, and the interval of the estimate holds it. Efficient: the quotient does not grow under \
-         refinement, its order in the step is at least 0.",
-        formulas: &[],
-        more: "",
-    },
-    Opening {
-        chapter: Chapter::Trade,
-        id: "chapter-trade",
-        title: "Speed against accuracy",
-        words: "What the mesh, the step and every other setting of a scene cost and buy. Times are CPU seconds of one thread on the machine of the study, \
-         from nothing, in single runs; errors are the same everywhere.",
-        formulas: &[],
-        more: "",
-    },
-    Opening {
-        chapter: Chapter::Extremes,
-        id: "chapter-extremes",
-        title: "Extremes",
-        words: "Each ladder takes one parameter from the ordinary to where floating point or the theory ends, in steps called rungs. Every rung states \
-         beforehand what it must show: a bound of its error, derived from rounding and condition, or that it is refused.",
-        formulas: &[],
-        more: "",
-    },
-];
+static OPENINGS: LazyLock<BTreeMap<String, Vec<Opening>>> = LazyLock::new(|| {
+    toml::from_str(include_str!("chapters.toml")).expect("openings of chapters that are read")
+});
+
+fn openings() -> &'static [Opening] {
+    &OPENINGS["chapter"]
+}
 
 impl Opening {
     fn section(&self) -> Section {
-        let mut section = Section::opening(self.id, self.title, self.words);
+        let mut section = Section::opening(&self.id, &self.title, &self.words);
         if !self.formulas.is_empty() {
             let formula =
-                |[plain, typst, number]: &[&str; 3]| Equation::new(*plain, *typst, number);
+                |[plain, typst, number]: &[String; 3]| Equation::new(plain, typst, number);
             section.blocks.push(Block::Formulas(self.formulas.iter().map(formula).collect()));
         }
         if !self.more.is_empty() {
-            section.words(self.more);
+            section.words(&self.more);
         }
         section
     }
@@ -135,7 +64,7 @@ pub(super) fn chapters(report: &Report<'_>) -> Vec<Section> {
         // Every scene has its bounds.
         let bounds = (chapter == Chapter::Bound).then(|| step_sizes(report));
         if bounds.is_some() || !studies.is_empty() {
-            let opening = OPENINGS.iter().find(|opening| opening.chapter == chapter);
+            let opening = openings().iter().find(|opening| opening.chapter == chapter);
             all.extend(opening.map(Opening::section));
         }
         all.extend(bounds.into_iter().chain(studies));
@@ -177,7 +106,7 @@ fn studies(report: &Report<'_>, chapter: Chapter) -> Vec<Section> {
 
 /// The commands of what is not in the directory of this report; None if nothing is missing.
 fn absent(report: &Report<'_>, none_broken: bool) -> Option<Section> {
-    let kinds = OPENINGS.iter().map(|opening| opening.chapter);
+    let kinds = openings().iter().map(|opening| opening.chapter);
     let missing = kinds.filter(|kind| report.studies.iter().all(|s| s.chapter != *kind));
     let mut commands: Vec<&str> = missing.map(Chapter::command).collect();
     commands.extend(none_broken.then_some("run broken-kernel broken-trace"));

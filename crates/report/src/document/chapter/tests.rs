@@ -7,8 +7,8 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use serde_json::json;
 
 use crate::document::{
-    Chapter, Document, Drawn, Group, Report, Run, StudyDocument, Tone, document, markdown, page,
-    tables,
+    Block, Chapter, Document, Drawn, Group, Report, Run, StudyDocument, Table, Tone, document,
+    markdown, page, tables,
 };
 use crate::{ReportError, SceneSummary, StepLimits};
 use judge::record::{CaseRecord, Key, NormError, Status};
@@ -27,10 +27,12 @@ fn study(chapter: Chapter, holds: bool) -> StudyDocument {
         study = study.of_scene("s", "now");
     }
     study.verdict(holds, &format!("All of {name} holds."), vec![format!("{name}: 2 against 1")]);
-    let row = |what: &str, value: Run| [("what", Run::plain(what)), (">value", value)];
-    let rows = [row("x", Run::of("0.5", Tone::Code)), row("y", Run::plain("y"))];
-    study.table(format!("Numbers of {name}."), rows);
-    study.table(format!("Other numbers of {name}."), [[(">k", Run::plain("0.25"))]]);
+    let rows = [["x", "0.5"], ["y", "y"]];
+    let mut rows = rows.map(|row| row.map(Run::plain).to_vec()).to_vec();
+    rows[0][1].tone = Tone::Code;
+    let table = Table::new(format!("Numbers of {name}."), &["what", ">value"], rows);
+    study.blocks.push(Block::Table(table));
+    study.rows(format!("Other numbers of {name}."), &json!([{ "k": 0.25 }]), ">k = k");
     study.figure(&name, "what is drawn.", Some("<svg xmlns=\"\"></svg>".into()));
     study
 }

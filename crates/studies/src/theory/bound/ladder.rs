@@ -6,6 +6,7 @@
 //! contract any more because of a positive eigenvalue; where the eigenvalues are negative, as for
 //! ℬ(0) ≥ 0, Λ stops converging and the step stays solvable.
 
+use crate::study::{Result, StudyError};
 use algebra::linalg::{
     EigenError, FactorError, LinearMap, Spectrum, largest_eigenvalue, signed_unit, spectrum,
 };
@@ -145,12 +146,14 @@ impl ContractionStudy {
     /// The factors of a run, before its level with the largest one is looked at.
     ///
     /// # Errors
-    /// [`BoundError::NoLevel`] if there is none.
+    /// There is none.
     pub(super) fn of_levels(levels: Vec<FactorAtLevel>, steps: u32) -> Result<Self> {
         let worse = |best: FactorAtLevel, next: &FactorAtLevel| {
             if next.norm >= best.norm * (1.0 - EQUAL) { *next } else { best }
         };
-        let first = levels.last().copied().ok_or(BoundError::NoLevel { steps })?;
+        // A run without a step has no level with a last slot.
+        let none = || StudyError::other(format!("a run with {steps} steps has no level to study"));
+        let first = levels.last().copied().ok_or_else(none)?;
         let worst = levels.iter().fold(first, worse);
         Ok(Self { worst, levels, ..Self::default() })
     }
@@ -159,7 +162,7 @@ impl ContractionStudy {
     /// m0 ≤ 0, with the reason.
     ///
     /// # Errors
-    /// [`BoundError`].
+    /// [`StudyError`].
     pub(super) fn climb<L: FrozenDerivative>(
         &mut self,
         level: &mut L,
@@ -238,7 +241,12 @@ impl<'a, L: FrozenDerivative> StepLadder<'a, L> {
             Err(error) => (near, Err(error)),
         };
         self.solutions.push(followed.clone());
-        let at = |source: StepError| BoundError::Frozen { k, source };
+        let at = |source: StepError| {
+            StudyError::at(
+                format!("k = {k}: the level with frozen last slot was not solved"),
+                source,
+            )
+        };
         // η: the solution at k where there is one; and Λη.
         let (eta, mut state) = (&followed.u, followed.clone());
         solve(self.level, Some(eta), &mut state).map_err(at)?;
@@ -367,14 +375,16 @@ fn factors<L: FrozenDerivative>(
     eta: &[f64],
     state: &StepState,
 ) -> Result<Contraction> {
-    contraction(level, eta, state).map_err(|source| BoundError::Factor { k, source })
+    contraction(level, eta, state).map_err(|source| {
+        StudyError::at(format!("k = {k}: the contraction factor was not found"), source)
+    })
 }
 
 /// The factor at every level n ≥ 1 of a run that has not begun.
 ///
 /// # Errors
 /// The run's, or a factor that is not found.
-pub(super) fn all_levels<L: FrozenDerivative<Error: Into<BoundError>>>(
+pub(super) fn all_levels<L: FrozenDerivative<Error: Into<StudyError>>>(
     level: &mut L,
     bounds: &StepBounds,
 ) -> Result<Vec<FactorAtLevel>> {
@@ -398,7 +408,7 @@ pub(super) fn all_levels<L: FrozenDerivative<Error: Into<BoundError>>>(
 ///
 /// # Errors
 /// The run's.
-pub(super) fn run_to<L: FrozenDerivative<Error: Into<BoundError>>>(
+pub(super) fn run_to<L: FrozenDerivative<Error: Into<StudyError>>>(
     level: &mut L,
     last: usize,
     mut see: impl FnMut(&mut L, usize, &mut StepState) -> Result<()>,
@@ -420,36 +430,6 @@ fn implicit<L: FrozenDerivative>(level: &mut L, state: &mut StepState, n: usize)
     let t = level.grid().time(n);
     solve(level, None, state).map_err(|source| FailedStep { n, t, source })?;
     Ok(())
-}
-
-/// What is measured at a level.
-pub type Result<T, E = BoundError> = std::result::Result<T, E>;
-
-/// Why a step-size study could not be made.
-#[derive(Debug, thiserror::Error)]
-pub enum BoundError {
-    #[error("k = {k}: the level with frozen last slot was not solved: {source}")]
-    Frozen { k: f64, source: StepError },
-    #[error("k = {k}: the contraction factor was not found: {source}")]
-    Factor { k: f64, source: EigenError },
-    #[error(transparent)]
-    Setup(#[from] scene::setup::SetupError),
-    #[error("the run to the level: {0}")]
-    Run(#[from] fem::contact::CaseError),
-    /// A level of an abstract problem in ℝ^m failed.
-    #[error("the run to the level: {0}")]
-    Finite(#[from] vhi::finite::FiniteError),
-    #[error("the run to the level: {0}")]
-    Step(#[from] FailedStep),
-    /// The rule gives the last slot no weight: Λ is constant.
-    #[error("the time rule gives the last slot no weight: every k is within (3.4)")]
-    NoLastSlot,
-    /// A run without a step has no level with a last slot.
-    #[error("a run with {steps} steps has no level to study")]
-    NoLevel { steps: u32 },
-    /// An eigenvalue of the mesh was not found.
-    #[error("a constant of the mesh: {0}")]
-    Constant(#[from] EigenError),
 }
 
 // The contraction factor of Λ at a state, by its derivative and by finite perturbations, and where it reaches one.

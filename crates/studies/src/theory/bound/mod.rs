@@ -6,21 +6,21 @@ mod ladder;
 pub mod sampled;
 
 pub use ladder::{
-    BoundError, Contraction, ContractionStudy, Crossing, FactorAtLevel, Loss, Result, Starts,
-    StepLadder, StepRung, Thresholds, contraction, finite_factor,
+    Contraction, ContractionStudy, Crossing, FactorAtLevel, Loss, Starts, StepLadder, StepRung,
+    Thresholds, contraction, finite_factor,
 };
 pub use sampled::{Constant, Obtained};
 
 use self::sampled::TraceConstants;
-use crate::study::{Asked, Sizes, Study, StudyError, no_mesh};
+use crate::study::{Asked, Result, Sizes, Study, StudyError, no_mesh};
 use ::run::sweep::{Runs, admit_constants};
 use algebra::linalg::KRYLOV_VECTORS;
 use fem::contact::{Discretization, Evolution};
 use judge::claim::{Claim, Place, Statement};
-use report::{Axis, Chapter, Chart, Findings, Mark, Part, Row, Run, Scale, Series, digits};
+use report::{Axis, Chapter, Chart, Findings, Mark, Part, Scale, Series, digits};
 use scene::setup::{AbstractLoad, AbstractSetup, MeshData, Setup, Smallness, Subject, TruthLoad};
 use scene::{Extension, Scene};
-use serde_json::json;
+use serde_json::{Value, json};
 use vhi::finite::FiniteEvolution;
 use vhi::{StepBounds, StepState};
 
@@ -43,7 +43,7 @@ pub const STUDY: Study = Study {
     run: of_scene,
 };
 
-fn of_scene(scene: Scene, asked: &Asked) -> Result<Findings, StudyError> {
+fn of_scene(scene: Scene, asked: &Asked) -> Result<Findings> {
     admit_constants(&scene, false, &asked.limit)?;
     let subject = Subject::new(scene)?;
     let scene = subject.scene();
@@ -115,10 +115,10 @@ impl BoundStudy {
     /// Studies a scene on the mesh `n`, along a run with `steps` steps.
     ///
     /// # Errors
-    /// [`BoundError`].
+    /// [`StudyError`].
     pub fn new(setup: &Setup, n: u32, steps: u32) -> Result<Self> {
         if setup.model.time_rule.last_share() == 0.0 {
-            return Err(BoundError::NoLastSlot);
+            return Err(no_last_slot());
         }
         let traces = TraceConstants::new(setup, &*setup.space(n)?)?;
         let whole = scene::setup::constants(setup)?;
@@ -156,11 +156,11 @@ impl BoundStudy {
     /// Studies an abstract scene along a run with `steps` steps.
     ///
     /// # Errors
-    /// [`BoundError`].
+    /// [`StudyError`].
     pub fn of_abstract(setup: &AbstractSetup, steps: u32) -> Result<Self> {
         let (model, c) = (&setup.model, &setup.constants);
         if model.time_rule.last_share() == 0.0 {
-            return Err(BoundError::NoLastSlot);
+            return Err(no_last_slot());
         }
         let limits = c.step_bounds(model.time_rule.as_ref());
         let (grid, mut load) = (setup.grid(steps), AbstractLoad(setup));
@@ -213,6 +213,11 @@ impl BoundStudy {
     pub fn holds(&self) -> bool {
         Claim::all_hold(&self.claims)
     }
+}
+
+/// Λ is constant.
+fn no_last_slot() -> StudyError {
+    StudyError::other("the time rule gives the last slot no weight: every k is within (3.4)")
 }
 
 fn at(k: f64) -> String {
@@ -284,7 +289,7 @@ pub fn claims(bounds: &StepBounds, rungs: &[StepRung], found: &Thresholds) -> Ve
 /// Runs the scene on the mesh `n` with `steps` steps and studies its worst level.
 ///
 /// # Errors
-/// [`BoundError`].
+/// [`StudyError`].
 pub fn study(setup: &Setup, bounds: &StepBounds, n: u32, steps: u32) -> Result<ContractionStudy> {
     let data = MeshData::new(setup, n, None)?;
     let levels = on_run(setup, &data, steps, |level| ladder::all_levels(level, bounds))?;
@@ -358,7 +363,8 @@ impl BoundStudy {
         if let Some(reason) = &study.not_followed {
             document.words(format!("Nothing is measured: {reason}."));
         }
-        document.table("The bound in four numbers, k below each.", self.numbers());
+        let columns = "number = number; >k = k";
+        document.rows("The bound in four numbers, k below each.", &self.numbers(), columns);
         document.words(format!(
             "Measured in a run with {}; at its level {} (t = {}), where the factor is largest, the last step is taken again with other k. Of {} random starts at k = {} {} end at the same solution, {} elsewhere, {} nowhere.",
             self.grids(),
@@ -425,7 +431,7 @@ impl BoundStudy {
         format!("{mesh}N = {}", self.steps)
     }
 
-    fn numbers(&self) -> Vec<Row<'static, 2>> {
+    fn numbers(&self) -> Value {
         let (limits, study, found) = (&self.limits, &self.study, &self.study.thresholds);
         let limit = |k: f64| match k {
             k if k.is_infinite() => "every k".into(),
@@ -433,9 +439,7 @@ impl BoundStudy {
             _ => format!("no k: m0 = {}", digits(limits.m0, 7)),
         };
         let mut rows = Vec::new();
-        let mut say = |what: &str, value: String| {
-            rows.push([("number", Run::plain(what)), (">k", Run::plain(value))]);
-        };
+        let mut say = |what: &str, value: String| rows.push(json!({ "number": what, "k": value }));
         say("1: (3.4), the paper's norm of ℬ", limit(limits.paper_limit()));
         say("1: (3.4), operator norm", limit(limits.limit()));
         say("2: sharpened, half weight, terms apart", limit(limits.sharpened_limit()));
@@ -454,7 +458,7 @@ impl BoundStudy {
         if let Some(ratio) = self.ratio() {
             say("3 over 1, the paper's norm", digits(ratio, 6));
         }
-        rows
+        rows.into()
     }
 
     /// Factors of Λ against k with their bounds; none if no number can be drawn.

@@ -1,7 +1,7 @@
 //! The constants of a scene, and what its law declares, (2.8b) and (2.8c), against samples. A sample can refute a constant,
 //! not prove it.
 
-use super::Result;
+use crate::study::Result;
 use Obtained::{Computed, Declared, Extrapolated, Proved};
 use algebra::linalg::{larger, signed_unit};
 use fem::contact::{Discretization, TraceMass, TracePart, weighted_trace_constants};

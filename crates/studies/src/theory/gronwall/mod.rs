@@ -10,8 +10,8 @@ mod study;
 #[cfg(test)]
 mod tests;
 
+pub use recurrence::InTime;
 pub use recurrence::{Bounds, Envelopes, Estimate};
-pub use recurrence::{GronwallError, InTime};
 pub use recurrence::{HistoryPart, KernelNorms, Solved, StepTooLarge, Weights};
 pub use scenes::{ContactInTime, GronwallConstants, ReferenceLevels, TemporalTruth, TruthAtLevel};
 pub use study::{STUDY, StudyRuns, prepare, study, study_runs};

@@ -4,14 +4,12 @@
 //! is an upper bound of e_n (induction over n), and E_n depends on g monotonically. Without
 //! C2 w_nn < 1 nothing follows: see [`StepTooLarge`].
 
-use algebra::linalg::{FactorError, larger};
-use fem::contact::{CaseError, LoadError};
+use crate::study::{Result, StudyError};
+use algebra::linalg::larger;
 use files::digits;
 use judge::claim::{Claim, Place, Standing, Statement};
-use scene::setup::SetupError;
 use serde::Serialize;
 use statrs::function::gamma::{gamma, ln_gamma};
-use vhi::finite::FiniteError;
 use vhi::history::{ClosedForm, TimeGrid, TimeRule};
 use vhi::law::HistoryKernel;
 
@@ -604,44 +602,9 @@ impl GivenLoads<'_> {
     }
 }
 
-/// What is evaluated on a run.
-pub type Result<T, E = GronwallError> = std::result::Result<T, E>;
-
-/// What ends a study before it can judge.
-#[derive(Debug, thiserror::Error)]
-pub enum GronwallError {
-    /// The scene has no estimate: no history, or a constant that is not known, not finite or not positive.
-    #[error("scene `{scene}`{why}")]
-    Refused { scene: String, why: String },
-    /// A body without a mesh, or a mesh without a body.
-    #[error("{reason}")]
-    Mesh { reason: &'static str },
-    /// C2 w_nn ≥ 1 on a grid.
-    #[error("{steps} steps: {source}")]
-    Step { steps: u32, source: StepTooLarge },
-    /// A run with more steps has no level at the times of this grid.
-    #[error(
-        "the grid with {steps} steps is not part of the reference's with {reference}: random grids need an exact solution in V^h"
-    )]
-    NotNested { steps: u32, reference: u32 },
-    #[error(transparent)]
-    Load(#[from] LoadError),
-    #[error("{steps} steps: {source}")]
-    Case { steps: u32, source: CaseError },
-    #[error("{steps} steps: {source}")]
-    FiniteCase { steps: u32, source: FiniteError },
-    /// The inner product of an abstract scene has no inverse.
-    #[error("the inner product is singular")]
-    InnerProduct,
-    #[error("the dual norm: {0}")]
-    Dual(#[from] FactorError),
-    #[error(transparent)]
-    Setup(#[from] SetupError),
-}
-
 /// A scene without an estimate, by words that follow its name.
-pub(super) fn refused(scene: &scene::Scene, why: &str) -> GronwallError {
-    GronwallError::Refused { scene: scene.name.clone(), why: why.into() }
+pub(super) fn refused(scene: &scene::Scene, why: &str) -> StudyError {
+    StudyError::Unbounded { scene: scene.name.clone(), why: why.into() }
 }
 
 /// The rule corrects its weights by the kernel.

@@ -8,9 +8,10 @@
 
 use super::super::norms::{DualNorm, remembered, stress_norm};
 use super::recurrence::{
-    Estimate, GivenLoads, GronwallError, HistoryPart, InTime, KernelNorms, Known, Levels,
-    NO_HISTORY, OWN_WEIGHTS, Result, Terms, Weights, named, refused, smallness,
+    Estimate, GivenLoads, HistoryPart, InTime, KernelNorms, Known, Levels, NO_HISTORY, OWN_WEIGHTS,
+    Terms, Weights, named, refused, smallness,
 };
+use crate::study::{Result, StudyError};
 use exact::InterpolatedOnMesh;
 use fem::contact::{
     Load, LoadError, MemoryTerm, Model, StepView, kkt_residual, march, strain_distance, strain_norm,
@@ -121,6 +122,11 @@ impl GronwallConstants {
     }
 }
 
+/// An error on the grid with so many steps.
+pub(super) fn in_steps(steps: u32, source: impl std::fmt::Display) -> StudyError {
+    StudyError::at(format!("{steps} steps"), source)
+}
+
 /// A body on one mesh with its truth in time.
 pub struct ContactInTime<'a> {
     setup: &'a Setup,
@@ -161,7 +167,7 @@ impl<'a> ContactInTime<'a> {
             found.push(view.u.to_vec());
             Ok(())
         })
-        .map_err(|source| GronwallError::Case { steps: grid.steps() as u32, source })?;
+        .map_err(|source| in_steps(grid.steps() as u32, source))?;
         Ok((found, info.floors.v))
     }
 }
@@ -313,7 +319,7 @@ impl TemporalTruth {
                 }
                 Ok(())
             })
-            .map_err(|source| GronwallError::Case { steps, source })?;
+            .map_err(|source| in_steps(steps, source))?;
             Ok(levels)
         };
         let (levels, half) = (every(REFERENCE_STEPS)?, every(REFERENCE_STEPS / 2)?);
@@ -345,7 +351,12 @@ impl TemporalTruth {
         let nested = common.is_multiple_of(steps);
         let levels = grid.times().iter().enumerate().map(level);
         let found = nested.then(|| levels.collect::<Option<_>>()).flatten();
-        found.ok_or(GronwallError::NotNested { steps, reference: of.steps })
+        found.ok_or_else(|| {
+            StudyError::other(format!(
+                "the grid with {steps} steps is not part of the reference's with {}: random grids need an exact solution in V^h",
+                of.steps
+            ))
+        })
     }
 }
 
@@ -436,7 +447,7 @@ impl<'a> FiniteInTime<'a> {
         }
         let gram = SymmetricEigen::new(setup.model.inner_product.clone());
         if gram.eigenvalues.min() <= 0.0 {
-            return Err(GronwallError::InnerProduct);
+            return Err(StudyError::other("the inner product is singular"));
         }
         let scale = DMatrix::from_diagonal(&gram.eigenvalues.map(|value| value.sqrt().recip()));
         let inverse_root = &gram.eigenvectors * scale * gram.eigenvectors.transpose();
@@ -457,7 +468,7 @@ impl<'a> FiniteInTime<'a> {
         let info = finite::march(model, grid, &mut load, &Newton::default(), &mut |view| {
             found.push(view.u.as_slice().to_vec());
         })
-        .map_err(|source| GronwallError::FiniteCase { steps: grid.steps() as u32, source })?;
+        .map_err(|source| in_steps(grid.steps() as u32, source))?;
         Ok((found, info.floor))
     }
 }

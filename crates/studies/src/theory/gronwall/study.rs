@@ -9,13 +9,13 @@
 //! by the argument of (3.19)-(3.21) with both inequalities discrete: the same constants, no
 //! truncation, and e_0 > 0 allowed. ‖·‖_* is dual to ‖·‖_X; for a body ‖v‖_V = ‖ε(v)‖_ℋ.
 
-use super::recurrence::{Envelopes, Estimate, GronwallError, InTime, Result};
-use super::scenes::{ContactInTime, FiniteInTime, REFERENCE_STEPS};
-use crate::study::{Asked, Sizes, Study, StudyError};
+use super::recurrence::{Envelopes, Estimate, InTime};
+use super::scenes::{ContactInTime, FiniteInTime, REFERENCE_STEPS, in_steps};
+use crate::study::{Asked, Result, Sizes, Study, StudyError};
 use algebra::linalg::{largest, signed_unit};
 use fem::contact::Discretization;
 use judge::claim::{Claim, Place, Statement};
-use report::{Axis, Chapter, Chart, Findings, Part, Run, Scale, Series, precise};
+use report::{Axis, Chapter, Chart, Findings, Part, Scale, Series};
 use run::sweep::{Runs, admit_constants, lowest_common_multiple};
 use scene::Scene;
 use scene::setup::{Setup, Subject};
@@ -41,7 +41,7 @@ pub const STUDY: Study = Study {
     run: of_scene,
 };
 
-fn of_scene(scene: Scene, asked: &Asked) -> Result<Findings, StudyError> {
+fn of_scene(scene: Scene, asked: &Asked) -> Result<Findings> {
     let sweep = scene.sweep.as_ref();
     let n = asked.mesh().or_else(|| sweep.and_then(|sweep| sweep.n.first().copied()));
     let admitted =
@@ -62,7 +62,7 @@ fn of_scene(scene: Scene, asked: &Asked) -> Result<Findings, StudyError> {
     if let (Subject::Contact(setup), Some(n)) = (&subject, n) {
         study_runs(setup, n, &plan).admit(&asked.limit)?;
     }
-    study(&subject, &plan).map_err(StudyError::other)
+    study(&subject, &plan)
 }
 
 /// What is asked of a scene.
@@ -85,8 +85,7 @@ pub(super) struct Bounded {
 impl Bounded {
     pub(super) fn new(part: String, estimate: Estimate) -> Result<Self> {
         let steps = estimate.grid.steps() as u32;
-        let envelopes =
-            estimate.envelopes().map_err(|source| GronwallError::Step { steps, source })?;
+        let envelopes = estimate.envelopes().map_err(|source| in_steps(steps, source))?;
         Ok(Self { part, estimate, envelopes })
     }
 
@@ -127,7 +126,7 @@ impl Bounded {
 /// Runs everything.
 ///
 /// # Errors
-/// [`GronwallError`].
+/// [`StudyError`].
 pub fn study(subject: &Subject, plan: &StudyRuns) -> Result<Findings> {
     let (scene, n) = (subject.scene(), plan.n);
     let in_time = prepare(subject, n, &plan.steps)?;
@@ -160,12 +159,9 @@ pub fn study(subject: &Subject, plan: &StudyRuns) -> Result<Findings> {
     );
     let constants = in_time.constants();
     findings.number("constants", constants.iter().copied().collect::<BTreeMap<_, _>>());
-    findings.document.table(
-        "Constants of the inequality.",
-        constants.iter().map(|(name, value)| {
-            [("constant", Run::formula(name)), (">value", precise(*value, 7))]
-        }),
-    );
+    let rows = constants.iter().map(|(name, value)| json!({ "name": name, "value": value }));
+    let columns = "constant = name formula; >value = value 7";
+    findings.document.rows("Constants of the inequality.", &rows.collect(), columns);
     Ok(findings)
 }
 
@@ -276,7 +272,7 @@ pub fn prepare<'a>(
         (Subject::Contact(_), None) => "a body needs a mesh: give --n",
         (Subject::Abstract(_), Some(_)) => "an abstract problem has no mesh: remove --n",
     };
-    Err(GronwallError::Mesh { reason })
+    Err(StudyError::other(reason))
 }
 
 /// Nodal vectors of a level that the perturbations hold: f, δf, f + δf, and u of f and of f + δf.

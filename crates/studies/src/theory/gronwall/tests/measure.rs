@@ -2,6 +2,7 @@
 
 use super::super::*;
 use super::setup;
+use crate::study::StudyError;
 use scene::setup::MeshData;
 use vhi::history::{TimeGrid, TimeRule, Trapezoid};
 
@@ -110,7 +111,7 @@ fn only_states_in_the_space_are_exact() {
 fn scenes_without_history_or_bound_are_refused() {
     let refused = |setup: &scene::setup::Setup, why: &str| {
         let error = GronwallConstants::new(setup).unwrap_err();
-        assert!(matches!(error, GronwallError::Refused { .. }) && error.to_string().contains(why));
+        assert!(matches!(error, StudyError::Unbounded { .. }) && error.to_string().contains(why));
     };
     refused(&setup("steady"), "has no history");
     let mut sideways = setup("compliance");
