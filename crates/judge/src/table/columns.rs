@@ -486,11 +486,13 @@ impl<'a> Reader<'a> {
             return Err(error);
         }
         let mut found: Vec<Size> = found.into_iter().map(|(_, size)| size).collect();
-        // A size that is the same in all rows beside one that is not is a degree, or of another mesh.
+        // A size that is the same in all rows beside one that is not is a degree, or of another mesh. With --ratio the rows would be
+        // taken for levels against what they say.
         let refined = |size: &Size| {
             size.measure == Measure::Length || size.steps.iter().any(|step| *step != size.steps[0])
         };
-        if found.iter().any(refined) || self.block.rows.len() > 2 {
+        let alone = self.block.rows.len() > 2 && self.reading.ratio.is_none();
+        if alone || found.iter().any(refined) {
             self.left_out.extend(found.iter().filter(|size| !refined(size)).map(|size| size.at));
             found.retain(refined);
         }
