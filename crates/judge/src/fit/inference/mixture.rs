@@ -18,6 +18,13 @@ pub(super) struct Part {
     pub(super) coarse: usize,
 }
 
+impl Part {
+    /// One that is not weighed yet.
+    pub(super) fn of(coarse: usize, floored: bool, outside: bool) -> Self {
+        Self { weight: 0.0, mean: 0.0, deviation: 0.0, floored, outside, coarse }
+    }
+}
+
 #[derive(Debug, Clone)]
 pub(super) struct Mixture {
     /// Sum of all weights, 0 without parts.

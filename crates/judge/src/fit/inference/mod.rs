@@ -17,7 +17,7 @@ mod to_zero;
 use super::level::{deviation, unexplained};
 use super::richardson::{Triple, ValueSample};
 use super::{Direction, FitError, Interval, Level, Point, Sample, power_of_log, samples, screen};
-use evidence::{Base, Gram, Noise, Row};
+use evidence::{Base, Component, Gram, Noise, Row};
 use mixture::{Mixture, Part};
 use next_term::{Family, Node, Terms, runs};
 
@@ -65,6 +65,8 @@ const HIDDEN: [f64; 2] = [1.5, 3.9];
 const COARSE_OF_SCATTER: usize = 1;
 /// Readings below exp(-12) of the likeliest are dropped.
 const LEAST: f64 = 12.0;
+/// No node has a larger logarithm of its prior: a straight line in noise has ln 3.
+const LIKELIEST: f64 = 1.1;
 /// Of a long list of sizes every fourth is looked at first; those between two that are below exp(-16) of the likeliest at
 /// this noise are not: a step between the sizes changes log e by about as much.
 const STRIDE: usize = 4;
@@ -571,10 +573,14 @@ impl Table {
     fn read(&self, coarse: usize, fine: usize, log_prior: f64, parts: &mut Vec<Part>) {
         let levels = coarse..self.sizes.len() - fine;
         let (coarsest, finest) = (self.sizes[levels.start], self.sizes[levels.end - 1]);
-        let base = Base::new(&self.scales[levels.clone()]);
+        let base = Base::new(self.scales[levels.clone()].iter().map(|scale| scale * scale));
         let noise = self.noise.iter().map(|(s, share)| base.noise(*s, log_prior + share.ln()));
         let long = levels.len() >= FLOOR_LEVELS;
         let kept = Kept { coarse, fine, long, noise: noise.collect(), levels };
+        // The likeliest reading of so few levels is out of reach.
+        if kept.noise.iter().all(|noise| noise.most + LIKELIEST < self.best.get() - LEAST) {
+            return;
+        }
         let fine_end = long && fine == 0 && coarse <= COARSE_OF_FINE;
         let anchors = match self.flat {
             flat if flat > 0 && fine_end => vec![finest, self.sizes[self.sizes.len() - 1 - flat]],
@@ -603,6 +609,15 @@ impl Table {
             let sizes = self.sizes[kept.levels.clone()].iter();
             let terms: Vec<[f64; 3]> =
                 sizes.map(|h| run[0].powers(h / coarsest, h / anchor)).collect();
+            // Nor is the first slope so far below the order that the largest floor does not take it there, or above it by more
+            // than a reference adds.
+            let apart = self.x[coarse] - self.x[coarse + 1];
+            let first = || run[0].power + run[run.len() - 1].first_slope(&terms, apart);
+            if family == Family::Floor && first() > steepest + NEAR_SLOPE
+                || family.is_reference() && first() < flattest - NEAR_SLOPE
+            {
+                continue;
+            }
             // Nodes of one power differ in D alone, in which the evidence is smooth unless the sign changes: between two that
             // are out of reach none is looked at.
             let stride = if run.len() < LONG_RUN { 1 } else { STRIDE };
@@ -639,12 +654,11 @@ impl Table {
             for run in runs().filter(serves) {
                 let powers = |h: &f64| run[0].powers(h / sizes[0], h / self.sizes[anchor]);
                 let powers: Vec<[f64; 3]> = sizes.iter().map(powers).collect();
-                for node in run {
-                    let terms: Vec<Terms> = powers.iter().map(|term| node.terms(*term)).collect();
-                    for (s, share) in unknown {
-                        let log_prior = log_prior + share.ln() + node.log_prior;
-                        self.look_scattered(node, &terms, kept, (*s, log_prior), parts);
-                    }
+                for (node, (s, share)) in
+                    run.iter().flat_map(|n| unknown.iter().map(move |s| (n, s)))
+                {
+                    let log_prior = log_prior + share.ln() + node.log_prior;
+                    self.look_scattered(node, &powers, kept, (*s, log_prior), parts);
                 }
             }
         }
@@ -654,45 +668,43 @@ impl Table {
     fn look_scattered(
         &self,
         node: &Node,
-        terms: &[Terms],
+        powers: &[[f64; 3]],
         kept: &Kept,
         (s, log_prior): (f64, f64),
         parts: &mut Vec<Part>,
     ) {
         let first = kept.levels.start;
-        let of =
-            |(i, term): (usize, &Terms)| (s * self.scales[first + i]).hypot(SCATTER * term.share);
-        let scales: Vec<f64> = terms.iter().enumerate().map(of).collect();
-        let row = |(i, term)| self.row(first + i, node, term, scales[i]);
-        let gram = Gram::of(terms.iter().enumerate().map(row));
-        let component = gram.component(&Base::new(&scales).noise(1.0, log_prior), node.order());
-        let part = Part {
-            weight: component.log_evidence,
-            mean: component.mean,
-            deviation: component.deviation().hypot(CLOSEST),
-            floored: true,
-            outside: false,
-            coarse: kept.coarse,
+        let variance = |i: usize| {
+            let [own, floor] = [s * self.scales[first + i], SCATTER * node.share(powers[i][0])];
+            own * own + floor * floor
         };
-        self.keep(part, parts);
+        let noise = Base::new((0..powers.len()).map(variance)).noise(1.0, log_prior);
+        let least = self.best.get() - LEAST;
+        if noise.most < least {
+            return;
+        }
+        let row = |i: usize| self.row(first + i, node, &node.terms(powers[i]), variance(i));
+        let component = Gram::of((0..powers.len()).map(row)).component(&noise, node.order(), least);
+        self.keep(component.log_evidence, &component, Part::of(kept.coarse, true, false), parts);
     }
 
-    /// A level under a node, its logarithm known to `scale`.
-    fn row(&self, level: usize, node: &Node, found: &Terms, scale: f64) -> Row {
+    /// A level under a node, its logarithm known to this variance.
+    fn row(&self, level: usize, node: &Node, found: &Terms, variance: f64) -> Row {
         Row {
             x: self.x[level] + found.by_order,
             y: self.y[level] - found.g + node.order()[0] * found.by_order,
             nuisances: found.nuisances,
-            weight: 1.0 / (scale * scale),
+            weight: 1.0 / variance,
         }
     }
 
     /// Keeps a reading that is not far below the likeliest; false if it is.
-    fn keep(&self, part: Part, parts: &mut Vec<Part>) -> bool {
-        let near = part.weight >= self.best.get() - LEAST;
+    fn keep(&self, weight: f64, found: &Component, part: Part, parts: &mut Vec<Part>) -> bool {
+        let near = weight >= self.best.get() - LEAST;
         if near {
-            self.best.set(self.best.get().max(part.weight));
-            parts.push(part);
+            self.best.set(self.best.get().max(weight));
+            let deviation = found.deviation(CLOSEST);
+            parts.push(Part { weight, mean: found.mean, deviation, ..part });
         }
         near
     }
@@ -709,34 +721,37 @@ impl Table {
         // Of three levels a reference is no more than a wider interval: it leaves no order that a failure would miss.
         let unstated = node.family.is_reference() && kept.long;
         let floored = node.family == Family::Floor || unstated || kept.fine > 0;
-        let row =
-            |(i, term): (usize, &[f64; 3])| self.row(i, node, &node.terms(*term), self.scales[i]);
+        let row = |(i, term): (usize, &[f64; 3])| {
+            let scale = self.scales[i];
+            self.row(i, node, &node.terms(*term), scale * scale)
+        };
         let gram = Gram::of(kept.levels.clone().zip(terms).map(row));
         let (mut seen, mut largest) = (f64::NEG_INFINITY, f64::NEG_INFINITY);
         // From the largest noise on, until the residuals are too large for the noise.
         for noise in kept.noise.iter().rev() {
-            let component = gram.component(noise, node.order());
             let prior = match kept.long && !self.told_noise() && !self.differences {
                 true => node.log_prior_at(noise.size),
                 false => node.log_prior,
             };
-            let weight = prior + component.log_evidence;
+            let out_of_reach = self.best.get() - LEAST;
             let coarsely = noise.size >= LOOK || self.told_noise();
+            if coarsely && noise.size > LOOK && !beyond && prior + noise.most < out_of_reach {
+                continue;
+            }
+            // Those of smaller noise need no more than that they are below.
+            let least =
+                if coarsely { f64::NEG_INFINITY } else { out_of_reach.min(largest) - prior };
+            let component = gram.component(noise, node.order(), least);
+            let weight = prior + component.log_evidence;
             if coarsely {
                 seen = weight;
             }
             if beyond && component.mean < LEAST_ORDER {
                 break;
             }
-            let part = Part {
-                weight,
-                mean: component.mean,
-                deviation: component.deviation().hypot(CLOSEST),
-                floored,
-                outside: node.last || !self.told_noise() && noise.size == LARGEST_NOISE,
-                coarse: kept.coarse,
-            };
-            if !self.keep(part, parts) && weight < largest && !coarsely {
+            let outside = node.last || !self.told_noise() && noise.size == LARGEST_NOISE;
+            let part = Part::of(kept.coarse, floored, outside);
+            if !self.keep(weight, &component, part, parts) && weight < largest && !coarsely {
                 break;
             }
             largest = largest.max(weight);
