@@ -136,11 +136,13 @@ impl Gram {
         // Cholesky factor of the nuisances with their priors.
         let [[n00, n01, n02], [_, n11, n12], [.., n22]] = self.nuisance;
         let d0 = n00 + noise.variance;
-        let (l10, l20) = (n01 / d0, n02 / d0);
+        let i0 = 1.0 / d0;
+        let (l10, l20) = (n01 * i0, n02 * i0);
         let d1 = n11 + noise.variance - l10 * n01;
-        let l21 = (n12 - l20 * n01) / d1;
+        let i1 = 1.0 / d1;
+        let l21 = (n12 - l20 * n01) * i1;
         let d2 = n22 + noise.variance - l20 * n02 - l21 * l21 * d1;
-        let inverse = [1.0 / d0, 1.0 / d1, 1.0 / d2];
+        let inverse = [i0, i1, 1.0 / d2];
         let forward = |[a, b, c]: [f64; NUISANCES]| {
             let second = b - l10 * a;
             [a, second, c - l20 * a - l21 * second]

@@ -56,8 +56,13 @@ const FLOOR_LEVELS: usize = 4;
 /// What scatters in a floor, as a standard deviation of its logarithm, beside so much noise of the rest, with weights.
 const SCATTER: f64 = 0.5;
 const BESIDE_SCATTER: [(f64, f64); 2] = [(0.001, 0.75), (0.01, 0.2)];
-/// Errors that fall by more than this factor e^x are in no floor: three deviations.
-const FALLEN: f64 = 1.5;
+/// Errors that fall by more than this factor e^x are in no floor: three deviations of the ratio of two.
+const FALLEN: f64 = 2.1;
+/// Before four and more levels refute a claim, a floor that scatters is so many times likelier than by its prior. Of three
+/// levels this would leave open every sixth claim that is half an order too high.
+const WARY: f64 = 10.0;
+/// Two slopes do not show that a next term changes the sign: their interval has it so many times likelier.
+const CROSSING_OF_THREE: f64 = 4.0;
 /// A floor that scatters, by three deviations where it begins, hides or feigns so much of the fall before it. It may be ten
 /// times the rest there.
 const HIDDEN: [f64; 2] = [1.5, 3.9];
@@ -107,6 +112,10 @@ pub struct Posterior {
     pub slopes: Vec<f64>,
     /// All readings, those without a floor, those with one.
     all: Mixture,
+    /// All with floors that scatter likelier, or with signs that change likelier: for refutations, and for the lower end of
+    /// the interval of three levels.
+    wary: Option<Mixture>,
+    wide: Option<Mixture>,
     sound: Mixture,
     floored: Mixture,
     floor: f64,
@@ -212,7 +221,7 @@ pub fn infer(levels: &[Level], known: &Known) -> Result<Posterior, FitError> {
     serving.sort_by(|a, b| b.size().total_cmp(&a.size()));
     let table = Table { differences, ..Table::new(&serving, noise, log)? };
     // The exponent of the likelier form of errors against a reference.
-    let mut likelier = 1.0;
+    let mut of_squares = 1.0;
     let parts = match reference {
         None => table.parts(),
         Some(0.0) => Table { against_reference: true, ..table.clone() }.parts(),
@@ -220,7 +229,7 @@ pub fn infer(levels: &[Level], known: &Known) -> Result<Posterior, FitError> {
             known.check_reference(table.sizes[table.sizes.len() - 1])?;
             let forms = [1.0, 2.0].map(|exponent| table.against(step, exponent));
             let [linear, squares] = forms.each_ref().map(|parts| largest(parts));
-            likelier = if squares > linear { 2.0 } else { 1.0 };
+            of_squares = if squares > linear { 2.0 } else { 1.0 };
             forms.concat()
         }
     };
@@ -234,10 +243,17 @@ pub fn infer(levels: &[Level], known: &Known) -> Result<Posterior, FitError> {
     let beyond = |coarse: &usize| leaving[*coarse..].iter().sum::<f64>() > 0.5 * all.weight;
     let unread = serving.len().saturating_sub(LONGEST);
     let coarse_left_out = unread + (1..levels.len()).take_while(beyond).count();
-    let interval = Interval { lo: all.quantile(0.025), hi: all.quantile(0.975) };
+    let likelier =
+        |which: fn(&Part) -> bool, by: f64| all.union(&Mixture::of(&parts, which).times(by - 1.0));
+    let short = serving.len() == FEWEST;
+    let wary = (!short && parts.iter().any(|part| part.scattered))
+        .then(|| likelier(|part| part.scattered, WARY));
+    let wide = short.then(|| likelier(|part| part.crossing, CROSSING_OF_THREE));
+    let interval =
+        Interval { lo: wide.as_ref().unwrap_or(&all).quantile(0.025), hi: all.quantile(0.975) };
     let order = all.quantile(0.5);
     let table = match reference {
-        Some(step) if step > 0.0 => table.without_reference(step, likelier, order),
+        Some(step) if step > 0.0 => table.without_reference(step, of_squares, order),
         _ => table,
     };
     let outside: f64 = parts.iter().filter(|part| part.outside).map(|part| part.weight).sum();
@@ -259,6 +275,8 @@ pub fn infer(levels: &[Level], known: &Known) -> Result<Posterior, FitError> {
             may_have_a_reference: reference.is_none(),
         },
         all,
+        wary,
+        wide,
         sound,
         floored,
         floor,
@@ -685,7 +703,8 @@ impl Table {
         }
         let row = |i: usize| self.row(first + i, node, &node.terms(powers[i]), variance(i));
         let component = Gram::of((0..powers.len()).map(row)).component(&noise, node.order(), least);
-        self.keep(component.log_evidence, &component, Part::of(kept.coarse, true, false), parts);
+        let part = Part { coarse: kept.coarse, floored: true, scattered: true, ..Part::default() };
+        self.keep(component.log_evidence, &component, part, parts);
     }
 
     /// A level under a node, its logarithm known to this variance.
@@ -750,7 +769,8 @@ impl Table {
                 break;
             }
             let outside = node.last || !self.told_noise() && noise.size == LARGEST_NOISE;
-            let part = Part::of(kept.coarse, floored, outside);
+            let crossing = node.family == Family::Bend && node.size < -1.0;
+            let part = Part { coarse: kept.coarse, floored, outside, crossing, ..Part::default() };
             if !self.keep(weight, &component, part, parts) && weight < largest && !coarsely {
                 break;
             }
