@@ -194,7 +194,8 @@ impl Posterior {
         let probability = probability(mixture, claim);
         let too_low = mixture.below(claim.order - claim.clear_miss());
         let line = self.scatters_about(claim);
-        let near = if line { NEAR_LINE } else { 0.5 };
+        let settled = self.turns_about(claim) || self.arrives_at(claim.order);
+        let near = if settled { NEAR_LINE } else { 0.5 };
         let centred = mixture.below(claim.order - near * claim.reach()) < 0.5;
         let too_high =
             1.0 - self.wide.as_ref().unwrap_or(mixture).below(claim.order + claim.clear_miss());
@@ -233,13 +234,18 @@ impl Posterior {
 
     /// Four and more slopes are all near the claim, or come nearer and end there, or scatter about a line that is near.
     fn scatters_about(&self, claim: &Claim) -> bool {
-        let near = |slope: f64| (slope - claim.order).abs() <= NEAR_LINE * claim.reach();
+        let near = |slope: &f64| (slope - claim.order).abs() <= NEAR_LINE * claim.reach();
         let few = self.slopes.len() < FEWEST || self.trend.told_noise;
-        self.trend
-            .scattered
-            .is_some_and(|[slope, scatter]| near(slope) && scatter <= MOST_SCATTER * claim.reach())
-            || !few && self.slopes.iter().all(|slope| near(*slope))
-            || !few && self.arrives_at(claim.order)
+        self.turns_about(claim)
+            || !few && (self.slopes.iter().all(near) || self.arrives_at(claim.order))
+    }
+
+    /// The slopes go up and down, and the line through the errors is near the claim.
+    fn turns_about(&self, claim: &Claim) -> bool {
+        self.trend.scattered.is_some_and(|[slope, scatter]| {
+            (slope - claim.order).abs() <= NEAR_LINE * claim.reach()
+                && scatter <= MOST_SCATTER * claim.reach()
+        })
     }
 
     /// Four and more slopes come nearer to the order at each level, and the last is it.
