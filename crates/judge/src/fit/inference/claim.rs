@@ -1,6 +1,6 @@
 //! A claimed order against what a table says of it.
 
-use super::{FEWEST, Mixture, Posterior};
+use super::{FEWEST, Mixture, Posterior, SAME};
 use crate::fit::{Decision, FitError, power_of_log};
 
 /// Default distance of an order from the claim.
@@ -193,15 +193,20 @@ impl Posterior {
         let agree = self.two_slopes_agree(claim);
         let probability = probability(mixture, claim);
         let too_low = mixture.below(claim.order - claim.clear_miss());
-        let centred = mixture.below(claim.order - 0.5 * claim.reach()) < 0.5;
-        let too_high = 1.0 - mixture.below(claim.order + claim.clear_miss());
+        let line = self.scatters_about(claim);
+        let settled = self.turns_about(claim) || self.arrives_at(claim.order);
+        let near = if settled { NEAR_LINE } else { 0.5 };
+        let centred = mixture.below(claim.order - near * claim.reach()) < 0.5;
+        let too_high =
+            1.0 - self.wide.as_ref().unwrap_or(mixture).below(claim.order + claim.clear_miss());
+        let without_floor = self.refuted_beside_floors(claim);
         let hidden =
             self.trend.before_floor.is_some_and(|slope| slope >= claim.order - claim.reach())
                 || self.may_end_in_a_floor(claim);
-        if too_low > REFUTED && !self.rises_to(claim.order) && !hidden {
+        if too_low > REFUTED && without_floor && !self.rises_to(claim.order) && !hidden {
             Answer::TooLow
         } else if probability > self.needed(claim)
-            && (too_low < 0.5 || centred && (probability > CERTAIN || self.scatters_about(claim)))
+            && (too_low < 0.5 || centred && (probability > CERTAIN || line))
             && (agree && self.holds_against_a_reference(claim) || claim.at_least)
         {
             Answer::Confirmed
@@ -210,6 +215,12 @@ impl Posterior {
         } else {
             Answer::Open
         }
+    }
+
+    /// Whether the order is too low also if floors that scatter are likelier.
+    fn refuted_beside_floors(&self, claim: &Claim) -> bool {
+        let below = |wary: &Mixture| wary.below(claim.order - claim.clear_miss());
+        self.wary.as_ref().is_none_or(|wary| below(wary) > REFUTED)
     }
 
     /// Three levels give two slopes, a grid none. Where slopes scatter about the claim as by noise, the straight line is asked.
@@ -221,14 +232,28 @@ impl Posterior {
         }
     }
 
-    /// Four and more slopes are all near the claim, or scatter about a line that is.
+    /// Four and more slopes are all near the claim, or come nearer and end there, or scatter about a line that is near.
     fn scatters_about(&self, claim: &Claim) -> bool {
-        let near = |slope: f64| (slope - claim.order).abs() <= NEAR_LINE * claim.reach();
+        let near = |slope: &f64| (slope - claim.order).abs() <= NEAR_LINE * claim.reach();
         let few = self.slopes.len() < FEWEST || self.trend.told_noise;
-        self.trend
-            .scattered
-            .is_some_and(|[slope, scatter]| near(slope) && scatter <= MOST_SCATTER * claim.reach())
-            || !few && self.slopes.iter().all(|slope| near(*slope))
+        self.turns_about(claim)
+            || !few && (self.slopes.iter().all(near) || self.arrives_at(claim.order))
+    }
+
+    /// The slopes go up and down, and the line through the errors is near the claim.
+    fn turns_about(&self, claim: &Claim) -> bool {
+        self.trend.scattered.is_some_and(|[slope, scatter]| {
+            (slope - claim.order).abs() <= NEAR_LINE * claim.reach()
+                && scatter <= MOST_SCATTER * claim.reach()
+        })
+    }
+
+    /// Four and more slopes come nearer to the order at each level, and the last is it.
+    fn arrives_at(&self, order: f64) -> bool {
+        let away: Vec<f64> = self.slopes.iter().map(|slope| (slope - order).abs()).collect();
+        away.len() > FEWEST
+            && away.windows(2).all(|pair| pair[1] < pair[0])
+            && away.last().is_some_and(|away| *away <= SAME)
     }
 
     /// Whether the slopes of three levels agree; more levels need no such check.
@@ -311,7 +336,12 @@ impl Posterior {
             false => format!("within {:.2} of {order}", claim.reach()),
         };
         let likely = format!("{likely} with probability {}", percent(probability));
-        if probability <= self.needed(claim) {
+        if !self.refuted_beside_floors(claim) && self.below(order - claim.clear_miss()) > REFUTED {
+            format!(
+                "{} lies below {order}, unless a floor scatters below the errors",
+                self.interval
+            )
+        } else if probability <= self.needed(claim) {
             format!("{likely} only")
         } else if let ([first, last], false) = (&self.slopes[..], self.two_slopes_agree(claim)) {
             format!(

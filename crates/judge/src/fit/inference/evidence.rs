@@ -6,6 +6,8 @@
 
 /// Columns of unknown size: between the sizes of the list, after the next term, between the powers of the list.
 pub(super) const NUISANCES: usize = 3;
+/// A product of variances is taken to its logarithm before it is smaller.
+const SMALL: f64 = 1e-100;
 
 /// One level under one reading.
 #[derive(Debug, Clone, Copy)]
@@ -32,6 +34,8 @@ pub(super) struct Noise {
     variance: f64,
     precision: f64,
     log: f64,
+    /// No reading is likelier: with residuals of zero, and determinants of what is unknown that are those of the priors.
+    pub(super) most: f64,
 }
 
 /// Products of x, y and the nuisances, less their means.
@@ -55,29 +59,41 @@ pub(super) struct Component {
 }
 
 impl Component {
-    /// Standard deviation of the order.
-    pub(super) fn deviation(&self) -> f64 {
-        self.precision.sqrt().recip()
+    /// Standard deviation of the order, beside one of what no reading has.
+    pub(super) fn deviation(&self, beside: f64) -> f64 {
+        (1.0 / self.precision + beside * beside).sqrt()
     }
 }
 
 impl Base {
-    pub(super) fn new(scales: &[f64]) -> Self {
-        let weight: f64 = scales.iter().map(|scale| 1.0 / (scale * scale)).sum();
-        let count = scales.len() as f64;
-        let scales: f64 = scales.iter().map(|scale| 2.0 * scale.ln()).sum();
-        Self { log: count * std::f64::consts::TAU.ln() + scales + weight.ln(), count }
+    /// Of the variances τ².
+    pub(super) fn new(variances: impl Iterator<Item = f64>) -> Self {
+        // A logarithm of mantissas, and exponents that are counted: no product leaves the numbers.
+        let (mut count, mut product, mut log, mut weight) = (0.0, 1.0, 0.0, 0.0);
+        for variance in variances {
+            count += 1.0;
+            weight += 1.0 / variance;
+            product *= variance;
+            if !(SMALL..1.0 / SMALL).contains(&product) {
+                log += f64::ln(product);
+                product = 1.0;
+            }
+        }
+        let log = log + f64::ln(product * weight);
+        Self { log: count * std::f64::consts::TAU.ln() + log, count }
     }
 
     pub(super) fn noise(&self, s: f64, log_prior: f64) -> Noise {
         let variance = s * s;
         // Of s^(2 (n − 1)), s⁶ is contained in the determinant of the nuisances.
         let left = self.count - 1.0 - NUISANCES as f64;
+        let of = |power: f64| log_prior - 0.5 * (self.log + power * variance.ln());
         Noise {
             size: s,
             variance,
             precision: 1.0 / variance,
-            log: log_prior - 0.5 * (self.log + left * variance.ln()),
+            log: of(left),
+            most: of(self.count - 1.0),
         }
     }
 }
@@ -109,16 +125,24 @@ impl Gram {
         }
     }
 
-    /// Evidence and order for one noise and a normal prior of the order.
-    pub(super) fn component(&self, noise: &Noise, [order, spread]: [f64; 2]) -> Component {
+    /// Evidence and order for one noise and a normal prior of the order. Where the evidence is less than `least`, a bound of it
+    /// that is so, too.
+    pub(super) fn component(
+        &self,
+        noise: &Noise,
+        [order, spread]: [f64; 2],
+        least: f64,
+    ) -> Component {
         // Cholesky factor of the nuisances with their priors.
         let [[n00, n01, n02], [_, n11, n12], [.., n22]] = self.nuisance;
         let d0 = n00 + noise.variance;
-        let (l10, l20) = (n01 / d0, n02 / d0);
+        let i0 = 1.0 / d0;
+        let (l10, l20) = (n01 * i0, n02 * i0);
         let d1 = n11 + noise.variance - l10 * n01;
-        let l21 = (n12 - l20 * n01) / d1;
+        let i1 = 1.0 / d1;
+        let l21 = (n12 - l20 * n01) * i1;
         let d2 = n22 + noise.variance - l20 * n02 - l21 * l21 * d1;
-        let inverse = [1.0 / d0, 1.0 / d1, 1.0 / d2];
+        let inverse = [i0, i1, 1.0 / d2];
         let forward = |[a, b, c]: [f64; NUISANCES]| {
             let second = b - l10 * a;
             [a, second, c - l20 * a - l21 * second]
@@ -136,6 +160,10 @@ impl Gram {
         let precision = x_x + prior_precision;
         let mean = (x_y + prior_precision * order) / precision;
         let residual = y_y + prior_precision * order * order - precision * mean * mean;
+        let most = noise.most - 0.5 * residual;
+        if most < least {
+            return Component { log_evidence: most, mean, precision };
+        }
         // One logarithm for the covariance and both precisions.
         let determinants = (d0 * d1 * d2 * precision * spread * spread).ln();
         Component { log_evidence: noise.log - 0.5 * (determinants + residual), mean, precision }
@@ -157,7 +185,7 @@ mod tests {
             [-2.0, -1.9, 0.02, 0.003, 0.01],
         ];
         let scales = [1.0, 0.7, 1.3, 1.0];
-        let base = Base::new(&scales);
+        let base = Base::new(scales.iter().map(|scale| scale * scale));
         let row = |([x, y, v, u, w], scale): ([f64; 5], f64)| Row {
             x,
             y,
@@ -188,11 +216,11 @@ mod tests {
         let prior = [1.5, 2.5];
         let mut differences = Vec::new();
         for s in [0.01, 0.03, 0.1] {
-            let found = gram.component(&base.noise(s, 0.0), prior);
+            let found = gram.component(&base.noise(s, 0.0), prior, f64::NEG_INFINITY);
             let (log, mean, deviation) = dense(s, prior);
             // A prior of width 1e3 leaves 1e-6 of the noise; the covariance has condition 1e10.
             assert!((found.mean - mean).abs() < 1e-3, "{found:?} {mean}");
-            assert!((found.deviation() - deviation).abs() < 1e-3, "{found:?} {deviation}");
+            assert!((found.deviation(0.0) - deviation).abs() < 1e-3, "{found:?} {deviation}");
             differences.push(found.log_evidence - log);
         }
         assert!(

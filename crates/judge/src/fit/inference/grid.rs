@@ -92,6 +92,8 @@ fn marginal(weights: Vec<f64>) -> Posterior {
         floor_from: None,
         slopes: Vec::new(),
         sound: all.clone(),
+        wary: None,
+        wide: None,
         floored: Mixture::from_parts(Vec::new()),
         all,
         floor: 0.0,

@@ -2,10 +2,11 @@
 
 use std::collections::BTreeMap;
 use std::f64::consts::{FRAC_1_SQRT_2, SQRT_2};
+use std::sync::LazyLock;
 
 use statrs::function::erf::{erfc, erfc_inv};
 
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Part {
     /// Posterior weight, unnormalised.
     pub(super) weight: f64,
@@ -16,6 +17,10 @@ pub(super) struct Part {
     /// It stands at an end of a list of the prior.
     pub(super) outside: bool,
     pub(super) coarse: usize,
+    /// The next term changes the sign.
+    pub(super) crossing: bool,
+    /// The floor scatters.
+    pub(super) scattered: bool,
 }
 
 #[derive(Debug, Clone)]
@@ -41,17 +46,27 @@ const NEGLIGIBLE: f64 = 3e-4;
 /// Accuracy of quantiles: a tenth of what is printed.
 const QUANTILE: f64 = 1e-5;
 
+/// Widths of the cells of deviations from `LEAST_WIDTH` on.
+static WIDTHS: LazyLock<[f64; 64]> = LazyLock::new(|| {
+    let first = (LEAST_WIDTH.ln() / RATIO.ln()).floor();
+    std::array::from_fn(|i| (SHARE * RATIO.powf(first + i as f64)).max(LEAST_WIDTH))
+});
+
 /// Cell of a part by its deviation, and by its mean in units of the cell width.
-fn cell(part: &Part) -> [i32; 2] {
-    let size = (part.deviation.max(LEAST_WIDTH).ln() / RATIO.ln()).floor() as i32;
-    [size, (part.mean / (SHARE * RATIO.powi(size)).max(LEAST_WIDTH)).floor() as i32]
+fn cell(part: &Part) -> (usize, i64) {
+    let first = (LEAST_WIDTH.ln() / RATIO.ln()).floor();
+    let size = (part.deviation.max(LEAST_WIDTH).ln() / RATIO.ln() - first) as usize;
+    let size = size.min(WIDTHS.len() - 1);
+    let place = part.mean / WIDTHS[size];
+    // Down to the next whole number.
+    (size, place as i64 - i64::from(place < 0.0))
 }
 
 impl Mixture {
     /// Mixture of the parts that `serve`, close ones merged.
     pub(super) fn of(parts: &[Part], serves: impl Fn(&Part) -> bool) -> Self {
         let mut weight = 0.0;
-        let mut cells: BTreeMap<[i32; 2], [f64; 3]> = BTreeMap::new();
+        let mut cells: BTreeMap<(usize, i64), [f64; 3]> = BTreeMap::new();
         for part in parts.iter().filter(|part| serves(part)) {
             weight += part.weight;
             let sums = cells.entry(cell(part)).or_default();
@@ -88,6 +103,11 @@ impl Mixture {
             of.parts.iter().map(|[w, m, d]| [w * share, *m, *d]).collect::<Vec<_>>()
         };
         Self { weight, parts: [share(self), share(other)].concat() }
+    }
+
+    /// The same, so many times as likely beside others.
+    pub(super) fn times(self, by: f64) -> Self {
+        Self { weight: by * self.weight, ..self }
     }
 
     /// Probability of at most p; 0 without parts.
@@ -145,7 +165,7 @@ mod tests {
     use super::*;
 
     fn part(weight: f64, mean: f64, deviation: f64) -> Part {
-        Part { weight, mean, deviation, floored: mean > 1.5, outside: false, coarse: 0 }
+        Part { weight, mean, deviation, floored: mean > 1.5, ..Part::default() }
     }
 
     #[test]

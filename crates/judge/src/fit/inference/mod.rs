@@ -17,7 +17,7 @@ mod to_zero;
 use super::level::{deviation, unexplained};
 use super::richardson::{Triple, ValueSample};
 use super::{Direction, FitError, Interval, Level, Point, Sample, power_of_log, samples, screen};
-use evidence::{Base, Gram, Noise, Row};
+use evidence::{Base, Component, Gram, Noise, Row};
 use mixture::{Mixture, Part};
 use next_term::{Family, Node, Terms, runs};
 
@@ -56,8 +56,13 @@ const FLOOR_LEVELS: usize = 4;
 /// What scatters in a floor, as a standard deviation of its logarithm, beside so much noise of the rest, with weights.
 const SCATTER: f64 = 0.5;
 const BESIDE_SCATTER: [(f64, f64); 2] = [(0.001, 0.75), (0.01, 0.2)];
-/// Errors that fall by more than this factor e^x are in no floor: three deviations.
-const FALLEN: f64 = 1.5;
+/// Errors that fall by more than this factor e^x are in no floor: three deviations of the ratio of two.
+const FALLEN: f64 = 2.1;
+/// Before four and more levels refute a claim, a floor that scatters is so many times likelier than by its prior. Of three
+/// levels this would leave open every sixth claim that is half an order too high.
+const WARY: f64 = 10.0;
+/// Two slopes do not show that a next term changes the sign: their interval has it so many times likelier.
+const CROSSING_OF_THREE: f64 = 4.0;
 /// A floor that scatters, by three deviations where it begins, hides or feigns so much of the fall before it. It may be ten
 /// times the rest there.
 const HIDDEN: [f64; 2] = [1.5, 3.9];
@@ -65,6 +70,8 @@ const HIDDEN: [f64; 2] = [1.5, 3.9];
 const COARSE_OF_SCATTER: usize = 1;
 /// Readings below exp(-12) of the likeliest are dropped.
 const LEAST: f64 = 12.0;
+/// No node has a larger logarithm of its prior: a straight line in noise has ln 3.
+const LIKELIEST: f64 = 1.1;
 /// Of a long list of sizes every fourth is looked at first; those between two that are below exp(-16) of the likeliest at
 /// this noise are not: a step between the sizes changes log e by about as much.
 const STRIDE: usize = 4;
@@ -105,6 +112,10 @@ pub struct Posterior {
     pub slopes: Vec<f64>,
     /// All readings, those without a floor, those with one.
     all: Mixture,
+    /// All with floors that scatter likelier, or with signs that change likelier: for refutations, and for the lower end of
+    /// the interval of three levels.
+    wary: Option<Mixture>,
+    wide: Option<Mixture>,
     sound: Mixture,
     floored: Mixture,
     floor: f64,
@@ -210,7 +221,7 @@ pub fn infer(levels: &[Level], known: &Known) -> Result<Posterior, FitError> {
     serving.sort_by(|a, b| b.size().total_cmp(&a.size()));
     let table = Table { differences, ..Table::new(&serving, noise, log)? };
     // The exponent of the likelier form of errors against a reference.
-    let mut likelier = 1.0;
+    let mut of_squares = 1.0;
     let parts = match reference {
         None => table.parts(),
         Some(0.0) => Table { against_reference: true, ..table.clone() }.parts(),
@@ -218,7 +229,7 @@ pub fn infer(levels: &[Level], known: &Known) -> Result<Posterior, FitError> {
             known.check_reference(table.sizes[table.sizes.len() - 1])?;
             let forms = [1.0, 2.0].map(|exponent| table.against(step, exponent));
             let [linear, squares] = forms.each_ref().map(|parts| largest(parts));
-            likelier = if squares > linear { 2.0 } else { 1.0 };
+            of_squares = if squares > linear { 2.0 } else { 1.0 };
             forms.concat()
         }
     };
@@ -232,10 +243,17 @@ pub fn infer(levels: &[Level], known: &Known) -> Result<Posterior, FitError> {
     let beyond = |coarse: &usize| leaving[*coarse..].iter().sum::<f64>() > 0.5 * all.weight;
     let unread = serving.len().saturating_sub(LONGEST);
     let coarse_left_out = unread + (1..levels.len()).take_while(beyond).count();
-    let interval = Interval { lo: all.quantile(0.025), hi: all.quantile(0.975) };
+    let likelier =
+        |which: fn(&Part) -> bool, by: f64| all.union(&Mixture::of(&parts, which).times(by - 1.0));
+    let short = serving.len() == FEWEST;
+    let wary = (!short && parts.iter().any(|part| part.scattered))
+        .then(|| likelier(|part| part.scattered, WARY));
+    let wide = short.then(|| likelier(|part| part.crossing, CROSSING_OF_THREE));
+    let interval =
+        Interval { lo: wide.as_ref().unwrap_or(&all).quantile(0.025), hi: all.quantile(0.975) };
     let order = all.quantile(0.5);
     let table = match reference {
-        Some(step) if step > 0.0 => table.without_reference(step, likelier, order),
+        Some(step) if step > 0.0 => table.without_reference(step, of_squares, order),
         _ => table,
     };
     let outside: f64 = parts.iter().filter(|part| part.outside).map(|part| part.weight).sum();
@@ -257,6 +275,8 @@ pub fn infer(levels: &[Level], known: &Known) -> Result<Posterior, FitError> {
             may_have_a_reference: reference.is_none(),
         },
         all,
+        wary,
+        wide,
         sound,
         floored,
         floor,
@@ -571,10 +591,14 @@ impl Table {
     fn read(&self, coarse: usize, fine: usize, log_prior: f64, parts: &mut Vec<Part>) {
         let levels = coarse..self.sizes.len() - fine;
         let (coarsest, finest) = (self.sizes[levels.start], self.sizes[levels.end - 1]);
-        let base = Base::new(&self.scales[levels.clone()]);
+        let base = Base::new(self.scales[levels.clone()].iter().map(|scale| scale * scale));
         let noise = self.noise.iter().map(|(s, share)| base.noise(*s, log_prior + share.ln()));
         let long = levels.len() >= FLOOR_LEVELS;
         let kept = Kept { coarse, fine, long, noise: noise.collect(), levels };
+        // The likeliest reading of so few levels is out of reach.
+        if kept.noise.iter().all(|noise| noise.most + LIKELIEST < self.best.get() - LEAST) {
+            return;
+        }
         let fine_end = long && fine == 0 && coarse <= COARSE_OF_FINE;
         let anchors = match self.flat {
             flat if flat > 0 && fine_end => vec![finest, self.sizes[self.sizes.len() - 1 - flat]],
@@ -603,6 +627,15 @@ impl Table {
             let sizes = self.sizes[kept.levels.clone()].iter();
             let terms: Vec<[f64; 3]> =
                 sizes.map(|h| run[0].powers(h / coarsest, h / anchor)).collect();
+            // Nor is the first slope so far below the order that the largest floor does not take it there, or above it by more
+            // than a reference adds.
+            let apart = self.x[coarse] - self.x[coarse + 1];
+            let first = || run[0].power + run[run.len() - 1].first_slope(&terms, apart);
+            if family == Family::Floor && first() > steepest + NEAR_SLOPE
+                || family.is_reference() && first() < flattest - NEAR_SLOPE
+            {
+                continue;
+            }
             // Nodes of one power differ in D alone, in which the evidence is smooth unless the sign changes: between two that
             // are out of reach none is looked at.
             let stride = if run.len() < LONG_RUN { 1 } else { STRIDE };
@@ -639,12 +672,11 @@ impl Table {
             for run in runs().filter(serves) {
                 let powers = |h: &f64| run[0].powers(h / sizes[0], h / self.sizes[anchor]);
                 let powers: Vec<[f64; 3]> = sizes.iter().map(powers).collect();
-                for node in run {
-                    let terms: Vec<Terms> = powers.iter().map(|term| node.terms(*term)).collect();
-                    for (s, share) in unknown {
-                        let log_prior = log_prior + share.ln() + node.log_prior;
-                        self.look_scattered(node, &terms, kept, (*s, log_prior), parts);
-                    }
+                for (node, (s, share)) in
+                    run.iter().flat_map(|n| unknown.iter().map(move |s| (n, s)))
+                {
+                    let log_prior = log_prior + share.ln() + node.log_prior;
+                    self.look_scattered(node, &powers, kept, (*s, log_prior), parts);
                 }
             }
         }
@@ -654,45 +686,44 @@ impl Table {
     fn look_scattered(
         &self,
         node: &Node,
-        terms: &[Terms],
+        powers: &[[f64; 3]],
         kept: &Kept,
         (s, log_prior): (f64, f64),
         parts: &mut Vec<Part>,
     ) {
         let first = kept.levels.start;
-        let of =
-            |(i, term): (usize, &Terms)| (s * self.scales[first + i]).hypot(SCATTER * term.share);
-        let scales: Vec<f64> = terms.iter().enumerate().map(of).collect();
-        let row = |(i, term)| self.row(first + i, node, term, scales[i]);
-        let gram = Gram::of(terms.iter().enumerate().map(row));
-        let component = gram.component(&Base::new(&scales).noise(1.0, log_prior), node.order());
-        let part = Part {
-            weight: component.log_evidence,
-            mean: component.mean,
-            deviation: component.deviation().hypot(CLOSEST),
-            floored: true,
-            outside: false,
-            coarse: kept.coarse,
+        let variance = |i: usize| {
+            let [own, floor] = [s * self.scales[first + i], SCATTER * node.share(powers[i][0])];
+            own * own + floor * floor
         };
-        self.keep(part, parts);
+        let noise = Base::new((0..powers.len()).map(variance)).noise(1.0, log_prior);
+        let least = self.best.get() - LEAST;
+        if noise.most < least {
+            return;
+        }
+        let row = |i: usize| self.row(first + i, node, &node.terms(powers[i]), variance(i));
+        let component = Gram::of((0..powers.len()).map(row)).component(&noise, node.order(), least);
+        let part = Part { coarse: kept.coarse, floored: true, scattered: true, ..Part::default() };
+        self.keep(component.log_evidence, &component, part, parts);
     }
 
-    /// A level under a node, its logarithm known to `scale`.
-    fn row(&self, level: usize, node: &Node, found: &Terms, scale: f64) -> Row {
+    /// A level under a node, its logarithm known to this variance.
+    fn row(&self, level: usize, node: &Node, found: &Terms, variance: f64) -> Row {
         Row {
             x: self.x[level] + found.by_order,
             y: self.y[level] - found.g + node.order()[0] * found.by_order,
             nuisances: found.nuisances,
-            weight: 1.0 / (scale * scale),
+            weight: 1.0 / variance,
         }
     }
 
     /// Keeps a reading that is not far below the likeliest; false if it is.
-    fn keep(&self, part: Part, parts: &mut Vec<Part>) -> bool {
-        let near = part.weight >= self.best.get() - LEAST;
+    fn keep(&self, weight: f64, found: &Component, part: Part, parts: &mut Vec<Part>) -> bool {
+        let near = weight >= self.best.get() - LEAST;
         if near {
-            self.best.set(self.best.get().max(part.weight));
-            parts.push(part);
+            self.best.set(self.best.get().max(weight));
+            let deviation = found.deviation(CLOSEST);
+            parts.push(Part { weight, mean: found.mean, deviation, ..part });
         }
         near
     }
@@ -709,34 +740,38 @@ impl Table {
         // Of three levels a reference is no more than a wider interval: it leaves no order that a failure would miss.
         let unstated = node.family.is_reference() && kept.long;
         let floored = node.family == Family::Floor || unstated || kept.fine > 0;
-        let row =
-            |(i, term): (usize, &[f64; 3])| self.row(i, node, &node.terms(*term), self.scales[i]);
+        let row = |(i, term): (usize, &[f64; 3])| {
+            let scale = self.scales[i];
+            self.row(i, node, &node.terms(*term), scale * scale)
+        };
         let gram = Gram::of(kept.levels.clone().zip(terms).map(row));
         let (mut seen, mut largest) = (f64::NEG_INFINITY, f64::NEG_INFINITY);
         // From the largest noise on, until the residuals are too large for the noise.
         for noise in kept.noise.iter().rev() {
-            let component = gram.component(noise, node.order());
             let prior = match kept.long && !self.told_noise() && !self.differences {
                 true => node.log_prior_at(noise.size),
                 false => node.log_prior,
             };
-            let weight = prior + component.log_evidence;
+            let out_of_reach = self.best.get() - LEAST;
             let coarsely = noise.size >= LOOK || self.told_noise();
+            if coarsely && noise.size > LOOK && !beyond && prior + noise.most < out_of_reach {
+                continue;
+            }
+            // Those of smaller noise need no more than that they are below.
+            let least =
+                if coarsely { f64::NEG_INFINITY } else { out_of_reach.min(largest) - prior };
+            let component = gram.component(noise, node.order(), least);
+            let weight = prior + component.log_evidence;
             if coarsely {
                 seen = weight;
             }
             if beyond && component.mean < LEAST_ORDER {
                 break;
             }
-            let part = Part {
-                weight,
-                mean: component.mean,
-                deviation: component.deviation().hypot(CLOSEST),
-                floored,
-                outside: node.last || !self.told_noise() && noise.size == LARGEST_NOISE,
-                coarse: kept.coarse,
-            };
-            if !self.keep(part, parts) && weight < largest && !coarsely {
+            let outside = node.last || !self.told_noise() && noise.size == LARGEST_NOISE;
+            let crossing = node.family == Family::Bend && node.size < -1.0;
+            let part = Part { coarse: kept.coarse, floored, outside, crossing, ..Part::default() };
+            if !self.keep(weight, &component, part, parts) && weight < largest && !coarsely {
                 break;
             }
             largest = largest.max(weight);

@@ -214,8 +214,6 @@ pub(super) struct Terms {
     pub(super) g: f64,
     pub(super) by_order: f64,
     pub(super) nuisances: [f64; NUISANCES],
-    /// What multiplies a relative change of D: of a floor its share of the error.
-    pub(super) share: f64,
 }
 
 impl Node {
@@ -263,8 +261,18 @@ impl Node {
             g: multiple * factor.abs().ln(),
             by_order,
             nuisances: [SMOOTHING * spacing * by_size, after, third],
-            share: by_size * size,
         }
+    }
+
+    /// Of a floor its share of the error, from its power.
+    pub(super) fn share(&self, power: f64) -> f64 {
+        self.size * power / (1.0 + self.size * power)
+    }
+
+    /// What this node adds to the slope of the first two levels, which are so far apart in log h.
+    pub(super) fn first_slope(&self, terms: &[[f64; 3]], apart: f64) -> f64 {
+        let [first, second] = [0, 1].map(|at| self.terms(terms[at]).g);
+        (first - second) / apart
     }
 
     /// There is no next term.

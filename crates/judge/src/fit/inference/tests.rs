@@ -12,6 +12,7 @@ use crate::fit::{Decision, FitError, Level, LevelError, Point, student_quantile}
 
 mod classes;
 mod invariances;
+mod one_more;
 mod stopping;
 
 fn level(size: f64, error: f64) -> Level {
