@@ -3,10 +3,8 @@
 //! Integrals over the same coordinates and at one depth of nesting form a group, if their kernels are all exponential or
 //! none is: one tape computes their integrands at common times.
 
-use std::collections::HashMap;
-
 use super::graph::{Graph, Node, Op, Variable};
-use super::tape::{Source, Tape};
+use super::tape::{Integrals, Source, Tape};
 
 /// Panels per horizon, and where integrands have guards, which are watched at the points of the rule; unresolved parts
 /// are halved.
@@ -19,9 +17,6 @@ const FINEST: f64 = 256.0;
 /// Number of panels of equal width; as many of twice the width follow, and so on, to reach times far beyond the
 /// horizon.
 const UNIFORM: u64 = 4096;
-
-/// The group and the member of each integral.
-pub(super) type Integrals = HashMap<Node, (usize, usize)>;
 
 #[derive(Debug)]
 pub(super) enum Kernel {
@@ -53,6 +48,15 @@ pub(super) struct Group {
     /// The integrands, then the guards.
     pub(super) tape: Tape,
     pub(super) guards: Tape,
+}
+
+/// All that a program evaluates.
+#[derive(Debug)]
+pub(super) struct Plan {
+    pub(super) outputs: Tape,
+    /// Groups of hereditary integrals, nested ones first.
+    pub(super) groups: Vec<Group>,
+    pub(super) adds_remainders: bool,
 }
 
 impl Group {

@@ -14,8 +14,7 @@
 //! unresolved everywhere, as rounding noise is, are halved a few times only; the remaining error is estimated.
 
 use super::block::{BLOCK, Registers};
-use super::history::{Group, Kernel};
-use super::program::Plan;
+use super::history::{Group, Kernel, Plan};
 use super::quadrature::{GAUSS, ORDER};
 use super::tape::{Source, Tape};
 
@@ -80,6 +79,9 @@ impl Piece {
     }
 }
 
+/// The ends of a piece and of its lane, and whether it goes by lags.
+type Key = ([u64; 3], bool);
+
 #[derive(Clone, Debug)]
 pub(super) struct Past {
     places: Vec<[f64; 3]>,
@@ -90,7 +92,7 @@ pub(super) struct Past {
     /// Error estimates of the edges; empty if zero.
     remainders: Vec<Vec<f64>>,
     /// The kernels at the points of a piece, and its ends and that of its lane.
-    kernels: (Option<([u64; 3], bool)>, Vec<[f64; ORDER]>),
+    kernels: (Option<Key>, Vec<[f64; ORDER]>),
     registers: Registers,
 }
 

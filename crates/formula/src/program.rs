@@ -11,22 +11,14 @@ use rustc_hash::FxHashMap;
 
 use super::block::{BLOCK, Registers};
 use super::graph::{Graph, Node};
-use super::history::{Group, Integrals};
+use super::history::{Group, Plan};
 use super::past::{Around, Past};
-use super::tape::{Source, Tape};
+use super::tape::{Integrals, Source, Tape};
 
 /// Expressions prepared for evaluation; bind to points to evaluate.
 #[derive(Clone, Debug)]
 pub struct Program {
     plan: Arc<Plan>,
-}
-
-#[derive(Debug)]
-pub(super) struct Plan {
-    outputs: Tape,
-    /// Groups of hereditary integrals, nested ones first.
-    pub(super) groups: Vec<Group>,
-    pub(super) adds_remainders: bool,
 }
 
 impl Program {

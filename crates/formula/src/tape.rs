@@ -3,8 +3,10 @@
 use std::collections::{HashMap, HashSet};
 
 use super::graph::{Graph, Node, Op, Variable};
-use super::history::Integrals;
 use super::vocabulary::Function;
+
+/// The group and the member of each hereditary integral.
+pub(super) type Integrals = HashMap<Node, (usize, usize)>;
 
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
 pub(super) enum Source {
