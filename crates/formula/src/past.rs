@@ -430,8 +430,10 @@ fn last(values: &[f64; ORDER]) -> f64 {
 fn dot(a: &[f64; ORDER], b: &[f64; ORDER]) -> f64 {
     // Independent partial sums.
     let mut sums = [0.0; 4];
-    for (k, (a, b)) in a.iter().zip(b).enumerate() {
-        sums[k % 4] += a * b;
+    for (a, b) in a.as_chunks::<4>().0.iter().zip(b.as_chunks::<4>().0) {
+        for l in 0..4 {
+            sums[l] += a[l] * b[l];
+        }
     }
     (sums[0] + sums[1]) + (sums[2] + sums[3])
 }
