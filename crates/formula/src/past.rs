@@ -398,10 +398,9 @@ fn append_pieces(group: &Group, lane: usize, Lane { from, end, .. }: &Lane, out:
     for panel in 0..=last {
         let from = if panel > 0 { group.edge(panel) } else { *from };
         let to = if panel < last { group.edge(panel + 1) } else { *end };
-        out.push(match group.general && from >= 0.5 * end {
-            true => Piece { from: end - to, to: end - from, by_lag: true, ..whole },
-            false => Piece { from, to, ..whole },
-        });
+        let turn = if group.general { (0.5 * end).clamp(from.min(to), to.max(from)) } else { to };
+        out.push(Piece { from, to: turn, ..whole });
+        out.push(Piece { from: end - to, to: end - turn, by_lag: true, ..whole });
     }
     out.retain(|piece| piece.from != piece.to);
 }
