@@ -60,7 +60,8 @@ fn both_sides_see_one_region() {
         );
         // Facets of the boundary lie on the simplices, not in them.
         let (mesh, d) = (&space.mesh, space.mesh.dimension);
-        let top = mesh.facets_on(&[mesh.side("top").expect("top")]);
+        let sides = [mesh.side("top").expect("top")];
+        let top = mesh.facets_on(&sides);
         let middles: Vec<[f64; 3]> =
             top.map(|f| mesh.point(mesh.facet(f), &vec![1.0 / d as f64; d])).collect();
         assert!(exact.regions_at(&middles).iter().all(|region| *region == 1));
