@@ -13,13 +13,15 @@
 //! 1 + p bits a level: it goes on until the unresolved part is below the rounding of the integral. Products that are
 //! unresolved everywhere, as rounding noise is, are halved a few times only; the remaining error is estimated.
 
+use rustc_hash::FxHashMap;
+
 use super::block::{BLOCK, Registers};
 use super::history::{Group, Kernel, Plan};
 use super::quadrature::{GAUSS, ORDER};
 use super::tape::{Source, Tape};
 
 /// Lanes integrated at once, so that integrands stay in cache.
-const CHUNK: usize = 128;
+const CHUNK: usize = 512;
 /// Last two coefficients of a resolved product over its largest value. Coefficients then fall by the tenth root of this
 /// or faster, and the error of the rule, exact to degree 23, is below rounding.
 const RESOLVED: f64 = 1e-8;
@@ -91,8 +93,8 @@ pub(super) struct Past {
     edges: Vec<Vec<f64>>,
     /// Error estimates of the edges; empty if zero.
     remainders: Vec<Vec<f64>>,
-    /// The kernels at the points of a piece, and its ends and that of its lane.
-    kernels: (Option<Key>, Vec<[f64; ORDER]>),
+    /// The kernels at the points of pieces: lanes that end together have the same.
+    kernels: FxHashMap<Key, Vec<[f64; ORDER]>>,
     registers: Registers,
 }
 
@@ -103,7 +105,7 @@ impl Past {
             remainders: vec![Vec::new()],
             places,
             inner,
-            kernels: (None, Vec::new()),
+            kernels: FxHashMap::default(),
             registers: Registers::default(),
         }
     }
@@ -143,11 +145,16 @@ impl Past {
         for (k, (lane, time)) in lanes.iter().zip(times).enumerate() {
             if !group.general {
                 let (panel, first) = (group.panel(lane.end), members * lane.place as usize);
+                let left = self.remainders[panel].get(first..first + members);
+                if left.is_some() && lacking.is_empty() {
+                    lacking = vec![0.0; values.len()];
+                }
                 for m in 0..members {
                     let decay = decay(group, m, lane.end - lane.from);
                     values[members * k + m] += decay * self.edges[panel][first + m];
-                    let left = self.remainders[panel].get(first + m).unwrap_or(&0.0);
-                    lacking[members * k + m] += decay * left;
+                    if let Some(left) = left {
+                        lacking[members * k + m] += decay * left[m];
+                    }
                 }
             }
             if !time.is_finite() {
@@ -170,26 +177,27 @@ impl Past {
             let [mut next, mut left] = self.integrate(below, all, &lanes);
             let members = group.members.len();
             let decays: Vec<f64> = (0..members).map(|m| decay(group, m, end - from)).collect();
+            if !self.remainders[panel].is_empty() {
+                left.resize(next.len(), 0.0);
+            }
             for (all, before) in
                 [(&mut next, &self.edges[panel]), (&mut left, &self.remainders[panel])]
             {
                 let terms = before.iter().zip(decays.iter().cycle());
                 all.iter_mut().zip(terms).for_each(|(sum, (before, decay))| *sum += decay * before);
             }
-            if left.iter().all(|&part| part == 0.0) {
-                left = Vec::new();
-            }
             self.edges.push(next);
             self.remainders.push(left);
         }
     }
 
-    /// The integrals of all members over the lanes, and their error estimates.
+    /// The integrals of all members over the lanes, and their error estimates; empty if zero.
     fn integrate(&mut self, below: &mut [Past], all: Around<'_>, lanes: &[Lane]) -> [Vec<f64>; 2] {
         let group = all.group();
         let members = group.members.len();
-        let [mut sums, mut lacking] = [(); 2].map(|()| vec![0.0; lanes.len() * members]);
+        let (mut sums, mut lacking) = (vec![0.0; lanes.len() * members], Vec::new());
         let mut products: Vec<[f64; ORDER]> = Vec::new();
+        self.kernels.clear();
         for (chunk, lanes) in lanes.chunks(CHUNK).enumerate() {
             let first = CHUNK * members * chunk;
             let mut pieces = Vec::new();
@@ -251,6 +259,7 @@ impl Past {
                         let at = first + members * piece.lane + m;
                         sums[at] += (piece.to - piece.from) * dot(&GAUSS.weights, product);
                         if is_left[k] {
+                            lacking.resize(sums.len(), 0.0);
                             lacking[at] += piece.width() * last(product);
                         }
                     }
@@ -369,25 +378,23 @@ impl Past {
         values
     }
 
-    /// The kernels at the points of a piece; other lanes have the same pieces.
+    /// The kernels at the points of a piece.
     fn kernels_on(&mut self, group: &Group, piece: &Piece, end: f64) -> &[[f64; ORDER]] {
-        let key = Some(([piece.from, piece.to, end].map(f64::to_bits), piece.by_lag));
-        if self.kernels.0 != key {
-            let Self { kernels, registers, .. } = self;
-            kernels.0 = key;
+        let key = ([piece.from, piece.to, end].map(f64::to_bits), piece.by_lag);
+        let Self { kernels, registers, .. } = self;
+        kernels.entry(key).or_insert_with(|| {
             let lag = |u| if piece.by_lag { piece.at(u) } else { end - piece.at(u) };
             let lags = GAUSS.abscissae.map(lag);
-            kernels.1.clear();
-            kernels.1.extend(group.kernels.iter().map(|kernel| match kernel {
+            let of = |kernel: &Kernel| match kernel {
                 Kernel::Exponential(c) => lags.map(|lag| (-c * lag).exp()),
                 Kernel::General(tape) => {
                     // A kernel depends on time only.
                     registers.run(tape, ORDER, |_, out| out.copy_from_slice(&lags));
                     std::array::from_fn(|i| registers.lanes(tape.results[0], ORDER)[i])
                 }
-            }));
-        }
-        &self.kernels.1
+            };
+            group.kernels.iter().map(of).collect()
+        })
     }
 }
 
