@@ -4,7 +4,7 @@ use fem::contact::LoadError;
 use fem::space::quadrature::Rule;
 
 use super::ExactOnMesh;
-use crate::constitutive::{Tensor, stress};
+use crate::constitutive::{Tensor, full};
 use crate::densities::Densities;
 use crate::sampled::vector_names;
 
@@ -16,7 +16,7 @@ impl ExactOnMesh {
     pub(super) fn densities_at<const D: usize>(&self, t: f64) -> Result<Densities, LoadError> {
         let (space, fields) = (&*self.space, self.at(t));
         let mesh = &space.mesh;
-        let (points, mut memory) = (&self.force_points, Vec::new());
+        let points = &self.force_points;
         let count = points.rule.weights.len();
         let mut body = vec![0.0; D * count * mesh.cell_count()];
         let (names, at) = (vector_names("f0", D), (t, fields.zeta));
@@ -32,16 +32,14 @@ impl ExactOnMesh {
         let side = side.map_or_else(|| Rule::barycentre(D - 1), |group| group.points.rule.clone());
         let count = side.weights.len();
         let mut traction = vec![0.0; D * count * mesh.facet_side.len()];
-        let (program, names) = fields.inside();
+        let first_stress = D + self.exact.strain.len();
         for group in self.traction.iter().chain(&self.contact) {
-            group.strains.each_block(mesh, program, (t, 0.0), &names, |facets, values| {
+            fields.each_block(&group.strains, |facets, values| {
                 for (local, index) in facets.clone().enumerate() {
-                    let material = self.exact.material_in(group.regions[index]);
                     let first = D * count * group.mesh_facets[index];
                     for (q, target) in traction[first..][..D * count].chunks_mut(D).enumerate() {
                         let p = facets.len() * q + local;
-                        let strain = self.exact.tensors(|k| values[k][p], &mut memory);
-                        let sigma: Tensor<D> = stress(material, &strain, &memory, fields.kappa);
+                        let sigma: Tensor<D> = full(|k| values[first_stress + k][p]);
                         for (f, row) in target.iter_mut().zip(&sigma) {
                             *f += row.iter().zip(&group.normal).map(|(s, n)| s * n).sum::<f64>();
                         }
