@@ -6,10 +6,8 @@
 use super::graph::{Graph, Node, Op, Variable};
 use super::tape::{Integrals, Source, Tape};
 
-/// Panels per horizon, and where integrands have guards, which are watched at the points of the rule; unresolved parts
-/// are halved.
+/// Panels per horizon, unless fast relaxation needs more; unresolved parts are halved.
 const PANELS: f64 = 16.0;
-const PANELS_WITH_GUARDS: f64 = 32.0;
 /// Largest rate times panel width.
 const STIFFEST: f64 = 4.0;
 /// Limit of the refinement of panels.
@@ -101,7 +99,7 @@ impl Group {
         let mut guards = graph.guards(&integrands);
         guards.retain(|guard| graph.depends_on(*guard, Variable::T));
         let horizon = if horizon.is_finite() && horizon > 0.0 { horizon } else { 1.0 };
-        let width = horizon / if guards.is_empty() { PANELS } else { PANELS_WITH_GUARDS };
+        let width = horizon / PANELS;
         let rates = kernels.iter().flatten().map(|&c| f64::from_bits(c).abs());
         let stiffness = rates.fold(0.0, f64::max) * width;
         let tape = |roots: &[Node]| Tape::compile(graph, roots, integrals, false);
@@ -132,6 +130,16 @@ impl Group {
         groups.sort_unstable();
         groups.dedup();
         groups
+    }
+
+    /// exp(-c lag) of each member; 0 for other kernels.
+    pub(super) fn decays(&self, lag: f64) -> Vec<f64> {
+        let of_kernel = |kernel: &Kernel| match kernel {
+            Kernel::Exponential(c) => (-c * lag).exp(),
+            Kernel::General(..) => 0.0,
+        };
+        let kernels: Vec<f64> = self.kernels.iter().map(of_kernel).collect();
+        self.members.iter().map(|member| kernels[member.kernel]).collect()
     }
 
     pub(super) fn edge(&self, p: usize) -> f64 {

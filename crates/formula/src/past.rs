@@ -13,21 +13,21 @@
 //! 1 + p bits a level: it goes on until the unresolved part is below the rounding of the integral. Products that are
 //! unresolved everywhere, as rounding noise is, are halved a few times only; the remaining error is estimated.
 
-use rustc_hash::FxHashMap;
-
 use super::block::{BLOCK, Registers};
 use super::history::{Group, Kernel, Plan};
 use super::quadrature::{GAUSS, ORDER};
 use super::tape::{Source, Tape};
 
 /// Lanes integrated at once, so that integrands stay in cache.
-const CHUNK: usize = 512;
-/// Last two coefficients of a resolved product over its largest value. Coefficients then fall by the tenth root of this
-/// or faster, and the error of the rule, exact to degree 23, is below rounding.
+const CHUNK: usize = 128;
+/// Limit of lanes of several panels listed together, so that few places fill chunks.
+const BATCH: usize = 4096;
+/// Last two coefficients of a resolved function over its largest value. Coefficients then fall by the tenth root of this
+/// or faster, and the error of the rule, exact to degree 23, is below rounding, for a product of two resolved functions too.
 const RESOLVED: f64 = 1e-8;
 /// Negligible share of an integral; the unit of rounding is 1.1e-16 and the estimates are upper bounds.
 const NEGLIGIBLE: f64 = 5e-17;
-/// Levels to which all parts of a panel are halved.
+/// Levels to which all parts of a lane are halved.
 const HALVINGS: u32 = 4;
 /// Parts of a lane halved beyond that: both sides of a few powers, with a neighbour each.
 const MOST: usize = 8;
@@ -52,21 +52,25 @@ impl<'a> Around<'a> {
     }
 }
 
-/// An interval of times at a place; kernels count lags from `end`.
+/// A panel or a part of it at a place, by times or by lags, which are exact near the end.
 #[derive(Clone, Copy)]
 struct Lane {
+    /// The number of the integral that it is part of.
+    sum: usize,
     place: u32,
     from: f64,
+    to: f64,
+    /// Kernels count lags from here.
     end: f64,
+    by_lag: bool,
 }
 
-/// A part of a lane, by times or by lags, which are exact near the end.
-#[derive(Clone, Copy, PartialEq)]
+/// A part of a lane.
+#[derive(Clone, Copy)]
 struct Piece {
     lane: usize,
     from: f64,
     to: f64,
-    by_lag: bool,
     halvings: u32,
     cuts: u32,
 }
@@ -81,8 +85,16 @@ impl Piece {
     }
 }
 
-/// The ends of a piece and of its lane, and whether it goes by lags.
-type Key = ([u64; 3], bool);
+/// Kernels at the points of pieces; neighbours in a list often have the same.
+#[derive(Clone, Debug, Default)]
+struct Kernels {
+    /// For each piece.
+    of_piece: Vec<usize>,
+    /// For each kernel.
+    values: Vec<Vec<f64>>,
+    is_resolved: Vec<bool>,
+    lags: Vec<f64>,
+}
 
 #[derive(Clone, Debug)]
 pub(super) struct Past {
@@ -93,9 +105,9 @@ pub(super) struct Past {
     edges: Vec<Vec<f64>>,
     /// Error estimates of the edges; empty if zero.
     remainders: Vec<Vec<f64>>,
-    /// The kernels at the points of pieces: lanes that end together have the same.
-    kernels: FxHashMap<Key, Vec<[f64; ORDER]>>,
+    kernels: Kernels,
     registers: Registers,
+    at: (Vec<u32>, Vec<f64>),
 }
 
 impl Past {
@@ -105,8 +117,9 @@ impl Past {
             remainders: vec![Vec::new()],
             places,
             inner,
-            kernels: FxHashMap::default(),
+            kernels: Kernels::default(),
             registers: Registers::default(),
+            at: Default::default(),
         }
     }
 
@@ -128,37 +141,54 @@ impl Past {
         places: &[u32],
         times: &[f64],
     ) -> Vec<f64> {
-        let group = all.group();
-        let finite = |t: &f64| if t.is_finite() { *t } else { 0.0 };
+        let (group, members) = (all.group(), all.group().members.len());
+        let ends: Vec<f64> = times.iter().map(|t| if t.is_finite() { *t } else { 0.0 }).collect();
+        let last = group.panel(ends.iter().copied().fold(0.0, f64::max));
         if !group.general {
-            let last = group.panel(times.iter().map(finite).fold(0.0, f64::max));
             self.extend(below, all, last);
         }
-        let lane = |(&place, time): (&u32, &f64)| {
-            let end = finite(time);
-            let from = if group.general { 0.0 } else { group.edge(group.panel(end)) };
-            Lane { place, from, end }
+        let mut known = None;
+        let mut panel_of = |end: f64| match known {
+            Some((of, panel)) if of == end => panel,
+            _ => known.insert((end, group.panel(end))).1,
         };
-        let lanes: Vec<Lane> = places.iter().zip(times).map(lane).collect();
-        let [mut values, mut lacking] = self.integrate(below, all, &lanes);
-        let members = group.members.len();
-        for (k, (lane, time)) in lanes.iter().zip(times).enumerate() {
-            if !group.general {
-                let (panel, first) = (group.panel(lane.end), members * lane.place as usize);
-                let left = self.remainders[panel].get(first..first + members);
-                if left.is_some() && lacking.is_empty() {
-                    lacking = vec![0.0; values.len()];
-                }
-                for m in 0..members {
-                    let decay = decay(group, m, lane.end - lane.from);
-                    values[members * k + m] += decay * self.edges[panel][first + m];
-                    if let Some(left) = left {
-                        lacking[members * k + m] += decay * left[m];
-                    }
+        let panels: Vec<usize> = ends.iter().map(|end| panel_of(*end)).collect();
+        let (mut values, mut lacking) = (vec![0.0; members * times.len()], Vec::new());
+        let mut lanes = Vec::new();
+        for panel in 0..=last {
+            for (sum, (&end, &of_end)) in ends.iter().zip(&panels).enumerate() {
+                let is_part = if group.general { panel <= of_end } else { panel == of_end };
+                if is_part {
+                    let from = if panel > 0 { group.edge(panel) } else { 0.0 };
+                    let to = if panel < of_end { group.edge(panel + 1) } else { end };
+                    append_lanes(group, (sum, places[sum]), [from, to, end], &mut lanes);
                 }
             }
-            if !time.is_finite() {
-                values[members * k..members * (k + 1)].fill(f64::NAN);
+            if lanes.len() >= BATCH || panel == last {
+                self.integrate(below, all, &lanes, (&mut values, &mut lacking));
+                lanes.clear();
+            }
+        }
+        let (mut decays, mut decay_of) = (Vec::new(), f64::NAN);
+        for (k, (&end, &panel)) in ends.iter().zip(&panels).enumerate() {
+            let (of_lane, first) = (members * k..members * (k + 1), members * places[k] as usize);
+            if !times[k].is_finite() {
+                values[of_lane].fill(f64::NAN);
+            } else if !group.general {
+                let lag = end - group.edge(panel);
+                if decay_of != lag {
+                    (decays, decay_of) = (group.decays(lag), lag);
+                }
+                let left = self.remainders[panel].get(first..first + members);
+                if left.is_some() {
+                    lacking.resize(values.len(), 0.0);
+                }
+                for (m, at) in of_lane.enumerate() {
+                    values[at] += decays[m] * self.edges[panel][first + m];
+                    if let Some(left) = left {
+                        lacking[at] += decays[m] * left[m];
+                    }
+                }
             }
         }
         if all.plan.adds_remainders {
@@ -170,78 +200,119 @@ impl Past {
     /// Adds edges up to the last one needed, with error estimates.
     fn extend(&mut self, below: &mut [Past], all: Around<'_>, last: usize) {
         let group = all.group();
-        for panel in self.edges.len() - 1..last {
-            let (from, end) = (group.edge(panel), group.edge(panel + 1));
-            let places = 0..self.places.len() as u32;
-            let lanes: Vec<Lane> = places.map(|place| Lane { place, from, end }).collect();
-            let [mut next, mut left] = self.integrate(below, all, &lanes);
-            let members = group.members.len();
-            let decays: Vec<f64> = (0..members).map(|m| decay(group, m, end - from)).collect();
-            if !self.remainders[panel].is_empty() {
-                left.resize(next.len(), 0.0);
+        let (places, size) = (self.places.len(), self.places.len() * group.members.len());
+        while self.edges.len() <= last {
+            let first = self.edges.len() - 1;
+            let count = (BATCH / places.max(1)).clamp(1, last - first);
+            let mut lanes = Vec::with_capacity(2 * count * places);
+            for panel in first..first + count {
+                let [from, end] = [group.edge(panel), group.edge(panel + 1)];
+                for place in 0..places {
+                    let sum = places * (panel - first) + place;
+                    append_lanes(group, (sum, place as u32), [from, end, end], &mut lanes);
+                }
             }
-            for (all, before) in
-                [(&mut next, &self.edges[panel]), (&mut left, &self.remainders[panel])]
-            {
-                let terms = before.iter().zip(decays.iter().cycle());
-                all.iter_mut().zip(terms).for_each(|(sum, (before, decay))| *sum += decay * before);
+            let (mut sums, mut lacking) = (vec![0.0; size * count], Vec::new());
+            self.integrate(below, all, &lanes, (&mut sums, &mut lacking));
+            for panel in first..first + count {
+                let decays = group.decays(group.edge(panel + 1) - group.edge(panel));
+                let of_panel = size * (panel - first)..size * (panel - first + 1);
+                let own = lacking.get(of_panel.clone()).unwrap_or(&[]);
+                let mut left =
+                    if own.iter().any(|part| *part != 0.0) { own.to_vec() } else { Vec::new() };
+                if !self.remainders[panel].is_empty() {
+                    left.resize(size, 0.0);
+                }
+                let mut next =
+                    if count == 1 { std::mem::take(&mut sums) } else { sums[of_panel].to_vec() };
+                for (all, before) in
+                    [(&mut next, &self.edges[panel]), (&mut left, &self.remainders[panel])]
+                {
+                    let terms = before.iter().zip(decays.iter().cycle());
+                    all.iter_mut()
+                        .zip(terms)
+                        .for_each(|(sum, (before, decay))| *sum += decay * before);
+                }
+                self.edges.push(next);
+                self.remainders.push(left);
             }
-            self.edges.push(next);
-            self.remainders.push(left);
         }
     }
 
-    /// The integrals of all members over the lanes, and their error estimates; empty if zero.
-    fn integrate(&mut self, below: &mut [Past], all: Around<'_>, lanes: &[Lane]) -> [Vec<f64>; 2] {
-        let group = all.group();
-        let members = group.members.len();
-        let (mut sums, mut lacking) = (vec![0.0; lanes.len() * members], Vec::new());
-        let mut products: Vec<[f64; ORDER]> = Vec::new();
-        self.kernels.clear();
-        for (chunk, lanes) in lanes.chunks(CHUNK).enumerate() {
-            let first = CHUNK * members * chunk;
-            let mut pieces = Vec::new();
-            lanes
-                .iter()
-                .enumerate()
-                .for_each(|(k, lane)| append_pieces(group, k, lane, &mut pieces));
-            // ∫ |k f| over each lane, of each member.
-            let mut sizes = vec![0.0; lanes.len() * members];
+    /// Adds the integrals of all members over the lanes, and their error estimates, which are empty if zero.
+    fn integrate(
+        &mut self,
+        below: &mut [Past],
+        all: Around<'_>,
+        lanes: &[Lane],
+        (sums, lacking): (&mut [f64], &mut Vec<f64>),
+    ) {
+        let (group, rule) = (all.group(), &*GAUSS);
+        let (members, guarded) = (group.members.len(), !group.guards.results.is_empty());
+        let (stride, skipped) = if guarded { (ORDER + 2, 1) } else { (ORDER, 0) };
+        let (mut values, mut kernels) = (Vec::new(), std::mem::take(&mut self.kernels));
+        let (mut pieces, mut next, mut sizes) = (Vec::new(), Vec::new(), Vec::new());
+        // Of each lane, which are added in their order: the last bit is then independent of other lanes.
+        let mut parts = Vec::new();
+        for lanes in lanes.chunks(CHUNK) {
+            let whole = |(lane, &Lane { from, to, .. }): (usize, &Lane)| Piece {
+                lane,
+                from,
+                to,
+                halvings: 0,
+                cuts: 0,
+            };
+            pieces.clear();
+            pieces.extend(lanes.iter().enumerate().map(whole));
+            parts.clear();
+            parts.resize(members * lanes.len(), 0.0);
             for round in 0.. {
                 if pieces.is_empty() {
                     break;
                 }
-                let (values, cuts) = self.sampled(below, all, lanes, &pieces);
-                products.clear();
-                for (k, piece) in pieces.iter().enumerate() {
-                    let kernels = self.kernels_on(group, piece, lanes[piece.lane].end);
-                    for (m, member) in group.members.iter().enumerate() {
-                        let f = &values[member.integrand][ORDER * k..][..ORDER];
-                        let kernel = &kernels[member.kernel];
-                        let product: [f64; ORDER] = std::array::from_fn(|i| kernel[i] * f[i]);
-                        if round == 0 {
-                            let size = dot(&GAUSS.weights, &product.map(f64::abs));
-                            sizes[members * piece.lane + m] += piece.width() * size;
-                        }
-                        products.push(product);
+                let cuts = self.sampled(below, all, (lanes, &pieces), &mut values);
+                self.sample_kernels(group, (lanes, &pieces), &mut kernels);
+                let integrand = |i: usize, k: usize| &values[i][stride * k + skipped..][..ORDER];
+                let product = |k: usize, m: usize| -> [f64; ORDER] {
+                    let (member, f) = (&group.members[m], integrand(group.members[m].integrand, k));
+                    let kernel =
+                        &kernels.values[member.kernel][ORDER * kernels.of_piece[k]..][..ORDER];
+                    std::array::from_fn(|i| kernel[i] * f[i])
+                };
+                // Where products have to be looked at.
+                let rough = |k: usize| {
+                    !kernels.is_resolved[kernels.of_piece[k]]
+                        || (0..group.integrands).any(|i| is_unresolved(integrand(i, k)))
+                };
+                let mut is_left: Vec<bool> = (0..pieces.len()).map(rough).collect();
+                if round == 0 {
+                    sizes.clear();
+                    if !cuts.is_empty() || is_left.contains(&true) {
+                        // ∫ |k f| over each lane, of each member.
+                        sizes.extend((0..members * lanes.len()).map(|at| {
+                            let sizes = product(at / members, at % members).map(f64::abs);
+                            pieces[at / members].width() * dot(&rule.weights, &sizes)
+                        }));
                     }
                 }
                 let mut unresolved = vec![0; lanes.len()];
-                let mut is_left = vec![false; pieces.len()];
+                let mut next_cut = cuts.iter().peekable();
+                cuts.iter().for_each(|(k, _)| is_left[*k] = false);
                 for (k, piece) in pieces.iter().enumerate() {
-                    let sizes = &sizes[members * piece.lane..];
-                    let left = |(product, size): (&[f64; ORDER], &f64)| {
-                        is_unresolved(product) && piece.width() * last(product) > NEGLIGIBLE * size
-                    };
-                    let products = products[members * k..][..members].iter();
-                    is_left[k] = cuts[k].is_none() && products.zip(sizes).any(left);
+                    is_left[k] = is_left[k]
+                        && (0..members).any(|m| {
+                            let product = product(k, m);
+                            let left = piece.width() * last(&product);
+                            is_unresolved(&product)
+                                && left > NEGLIGIBLE * sizes[members * piece.lane + m]
+                        });
                     unresolved[piece.lane] += usize::from(is_left[k]);
                 }
-                let mut next = Vec::new();
+                next.clear();
                 for (k, piece) in pieces.iter().enumerate() {
-                    if let Some([low, high]) = cuts[k] {
+                    if let Some((_, [low, high])) = next_cut.next_if(|(of, _)| *of == k) {
                         let piece = Piece { cuts: piece.cuts + 1, ..*piece };
-                        next.extend([Piece { to: low, ..piece }, Piece { from: high, ..piece }]);
+                        next.extend([Piece { to: *low, ..piece }, Piece { from: *high, ..piece }]);
                         continue;
                     }
                     let few = unresolved[piece.lane] <= MOST && piece.halvings < DEEPEST;
@@ -255,79 +326,87 @@ impl Past {
                         ]);
                         continue;
                     }
-                    for (m, product) in products[members * k..][..members].iter().enumerate() {
-                        let at = first + members * piece.lane + m;
-                        sums[at] += (piece.to - piece.from) * dot(&GAUSS.weights, product);
+                    let of_lane = members * piece.lane..members * (piece.lane + 1);
+                    for (m, part) in parts[of_lane].iter_mut().enumerate() {
+                        let product = product(k, m);
+                        *part += (piece.to - piece.from) * dot(&rule.weights, &product);
                         if is_left[k] {
                             lacking.resize(sums.len(), 0.0);
-                            lacking[at] += piece.width() * last(product);
+                            lacking[members * lanes[piece.lane].sum + m] +=
+                                piece.width() * last(&product);
                         }
                     }
                 }
-                next.retain(|piece| piece.from != piece.to);
-                pieces = next;
+                next.retain(|piece: &Piece| piece.from != piece.to);
+                std::mem::swap(&mut pieces, &mut next);
+            }
+            for (lane, parts) in lanes.iter().zip(parts.chunks(members)) {
+                let of_lane = sums[members * lane.sum..].iter_mut();
+                of_lane.zip(parts).for_each(|(sum, part)| *sum += part);
             }
         }
-        [sums, lacking]
+        self.kernels = kernels;
     }
 
-    /// The integrands at the points of pieces, and the neighbouring numbers between which a guard changes sign.
+    /// Puts the integrands at the points of pieces, and guards there and at the ends, into `values`. Returns the
+    /// neighbouring numbers between which a guard changes sign, with the number of the piece.
     fn sampled(
         &mut self,
         below: &mut [Past],
         all: Around<'_>,
-        lanes: &[Lane],
-        pieces: &[Piece],
-    ) -> (Vec<Vec<f64>>, Vec<Option<[f64; 2]>>) {
-        let group = all.group();
-        let guarded = !group.guards.results.is_empty();
-        let shares = [&[0.0][..], &GAUSS.abscissae, &[1.0]].concat();
-        let shares = if guarded { &shares[..] } else { &GAUSS.abscissae };
-        let points =
-            pieces.iter().flat_map(|piece| shares.iter().map(move |&u| (piece, piece.at(u))));
-        let mut values = self.sample(&group.tape, below, all, lanes, points);
-        let mut cuts = vec![None; pieces.len()];
-        if !guarded {
-            return (values, cuts);
+        (lanes, pieces): (&[Lane], &[Piece]),
+        values: &mut Vec<Vec<f64>>,
+    ) -> Vec<(usize, [f64; 2])> {
+        let (group, rule) = (all.group(), &*GAUSS);
+        let mut shares = [0.0; ORDER + 2];
+        shares[1..=ORDER].copy_from_slice(&rule.abscissae);
+        shares[ORDER + 1] = 1.0;
+        if group.guards.results.is_empty() {
+            let points =
+                pieces.iter().flat_map(|piece| rule.abscissae.map(|u| (piece, piece.at(u))));
+            self.sample(&group.tape, below, all, lanes, points, values);
+            return Vec::new();
         }
-        let guards = values.split_off(group.integrands);
-        for values in &mut values {
-            let inner = values.chunks(shares.len()).flat_map(|of_piece| &of_piece[1..=ORDER]);
-            *values = inner.copied().collect();
-        }
+        let points = pieces.iter().flat_map(|piece| shares.map(|u| (piece, piece.at(u))));
+        self.sample(&group.tape, below, all, lanes, points, values);
+        let guards = &values[group.integrands..];
         // The first change in each piece: its guard, its ends, and whether it is negative before.
         let mut brackets: Vec<(usize, usize, [f64; 2], bool)> = Vec::new();
         for (k, piece) in pieces.iter().enumerate().filter(|(_, piece)| piece.cuts < CUTS) {
-            let of_piece = |guard: &Vec<f64>, i: usize| guard[shares.len() * k + i] < 0.0;
-            let change = (1..shares.len()).find_map(|i| {
-                let g = guards.iter().position(|g| of_piece(g, i) != of_piece(g, i - 1))?;
-                Some((
-                    k,
-                    g,
-                    [piece.at(shares[i - 1]), piece.at(shares[i])],
-                    of_piece(&guards[g], i - 1),
-                ))
-            });
-            brackets.extend(change);
+            let changes = |(g, guard): (usize, &Vec<f64>)| {
+                let signs = &guard[shares.len() * k..][..shares.len()];
+                let negative = signs.iter().fold(0, |sum, value| sum + usize::from(*value < 0.0));
+                if negative == 0 || negative == shares.len() {
+                    return None;
+                }
+                let first = signs[0] < 0.0;
+                signs.iter().position(|value| (*value < 0.0) != first).map(|i| (i, g, first))
+            };
+            let change = guards.iter().enumerate().filter_map(changes).min();
+            brackets.extend(change.map(|(i, g, negative)| {
+                (k, g, [piece.at(shares[i - 1]), piece.at(shares[i])], negative)
+            }));
         }
+        let (mut cuts, mut found) = (Vec::new(), Vec::new());
         while !brackets.is_empty() {
             brackets.retain(|&(k, _, [low, high], _)| {
                 let middle = 0.5 * (low + high);
                 let size = pieces[k].from.abs().max(pieces[k].to.abs());
                 let closed = (high - low).abs() <= CLOSED * size || middle == low || middle == high;
                 if closed {
-                    cuts[k] = Some([low, high]);
+                    cuts.push((k, [low, high]));
                 }
                 !closed
             });
             let middles = brackets.iter().map(|&(k, _, [a, b], _)| (&pieces[k], 0.5 * (a + b)));
-            let found = self.sample(&group.guards, below, all, lanes, middles);
+            self.sample(&group.guards, below, all, lanes, middles, &mut found);
             for (i, (_, g, ends, negative)) in brackets.iter_mut().enumerate() {
                 let end = usize::from((found[*g][i] < 0.0) != *negative);
                 ends[end] = 0.5 * (ends[0] + ends[1]);
             }
         }
-        (values, cuts)
+        cuts.sort_unstable_by_key(|(k, _)| *k);
+        cuts
     }
 
     /// The results of a tape at places of pieces.
@@ -338,21 +417,25 @@ impl Past {
         all: Around<'_>,
         lanes: &[Lane],
         points: impl Iterator<Item = (&'p Piece, f64)>,
-    ) -> Vec<Vec<f64>> {
-        let point = |(piece, at): (&Piece, f64)| {
+        values: &mut Vec<Vec<f64>>,
+    ) {
+        let Self { places: coordinates, inner, registers, at: (places, times), .. } = self;
+        places.clear();
+        times.clear();
+        for (piece, at) in points {
             let lane = &lanes[piece.lane];
-            (lane.place, if piece.by_lag { lane.end - at } else { at })
-        };
-        let (places, times): (Vec<u32>, Vec<f64>) = points.map(point).unzip();
-        let Self { places: coordinates, inner, registers, .. } = self;
+            places.push(lane.place);
+            times.push(if lane.by_lag { lane.end - at } else { at });
+        }
         let mut recalled = Vec::new();
         for &(group, ref place) in inner.iter().filter(|(group, _)| tape.reads(*group)) {
             let places: Vec<u32> = places.iter().map(|&p| place[p as usize]).collect();
             let (lower, rest) = below.split_at_mut(group);
-            let values = rest[0].values(lower, Around { group, ..all }, &places, &times);
+            let values = rest[0].values(lower, Around { group, ..all }, &places, times);
             recalled.push((group, values));
         }
-        let mut values = vec![Vec::with_capacity(times.len()); tape.results.len()];
+        values.resize_with(tape.results.len(), Vec::new);
+        values.iter_mut().for_each(Vec::clear);
         for start in (0..times.len()).step_by(BLOCK) {
             let end = times.len().min(start + BLOCK);
             let (places, times) = (&places[start..end], &times[start..end]);
@@ -365,9 +448,9 @@ impl Past {
                 }
                 Source::Integral(group, member) => {
                     let members = all.plan.groups[group].members.len();
-                    let known = recalled.iter().filter(|(known, _)| *known == group);
-                    let known = known.flat_map(|(_, values)| &values[members * start..]);
-                    let mine = known.skip(member).step_by(members);
+                    let known = recalled.iter().find(|(known, _)| *known == group);
+                    let known = known.map_or(&[][..], |(_, values)| &values[members * start..]);
+                    let mine = known.iter().skip(member).step_by(members);
                     out.iter_mut().zip(mine).for_each(|(out, value)| *out = *value);
                 }
             });
@@ -375,68 +458,95 @@ impl Past {
                 values.extend_from_slice(registers.lanes(result, end - start));
             }
         }
-        values
     }
 
-    /// The kernels at the points of a piece.
-    fn kernels_on(&mut self, group: &Group, piece: &Piece, end: f64) -> &[[f64; ORDER]] {
-        let key = ([piece.from, piece.to, end].map(f64::to_bits), piece.by_lag);
-        let Self { kernels, registers, .. } = self;
-        kernels.entry(key).or_insert_with(|| {
-            let lag = |u| if piece.by_lag { piece.at(u) } else { end - piece.at(u) };
-            let lags = GAUSS.abscissae.map(lag);
-            let of = |kernel: &Kernel| match kernel {
-                Kernel::Exponential(c) => lags.map(|lag| (-c * lag).exp()),
+    fn sample_kernels(
+        &mut self,
+        group: &Group,
+        (lanes, pieces): (&[Lane], &[Piece]),
+        Kernels { of_piece, values, is_resolved, lags }: &mut Kernels,
+    ) {
+        of_piece.clear();
+        lags.clear();
+        let mut last = None;
+        for piece in pieces {
+            let Lane { end, by_lag, .. } = lanes[piece.lane];
+            let key = Some((piece.from, piece.to, end, by_lag));
+            if last != key {
+                last = key;
+                let lag = |u| if by_lag { piece.at(u) } else { end - piece.at(u) };
+                lags.extend(GAUSS.abscissae.map(lag));
+            }
+            of_piece.push(lags.len() / ORDER - 1);
+        }
+        values.resize_with(group.kernels.len(), Vec::new);
+        is_resolved.clear();
+        is_resolved.resize(lags.len() / ORDER, true);
+        for (kernel, values) in group.kernels.iter().zip(values) {
+            values.clear();
+            match kernel {
+                Kernel::Exponential(c) => values.extend(lags.iter().map(|lag| (-c * lag).exp())),
                 Kernel::General(tape) => {
-                    // A kernel depends on time only.
-                    registers.run(tape, ORDER, |_, out| out.copy_from_slice(&lags));
-                    std::array::from_fn(|i| registers.lanes(tape.results[0], ORDER)[i])
+                    for lags in lags.chunks(BLOCK) {
+                        // A kernel depends on time only.
+                        self.registers.run(tape, lags.len(), |_, out| out.copy_from_slice(lags));
+                        let found = self.registers.lanes(tape.results[0], lags.len());
+                        values.extend_from_slice(found);
+                    }
                 }
-            };
-            group.kernels.iter().map(of).collect()
-        })
+            }
+            for (all, values) in is_resolved.iter_mut().zip(values.chunks(ORDER)) {
+                *all &= !is_unresolved(values);
+            }
+        }
     }
 }
 
-/// The panels of a lane: one for exponential kernels; for others all, the second half by lags.
-fn append_pieces(group: &Group, lane: usize, Lane { from, end, .. }: &Lane, out: &mut Vec<Piece>) {
-    let whole = Piece { lane, from: *from, to: *end, by_lag: false, halvings: 0, cuts: 0 };
-    let last = if group.general { group.panel(*end) } else { 0 };
-    for panel in 0..=last {
-        let from = if panel > 0 { group.edge(panel) } else { *from };
-        let to = if panel < last { group.edge(panel + 1) } else { *end };
+/// The parts of a panel: two if guards are watched at the points of the rule; for kernels that are no exponentials, the
+/// second half of the past by lags.
+fn append_lanes(
+    group: &Group,
+    (sum, place): (usize, u32),
+    [from, to, end]: [f64; 3],
+    out: &mut Vec<Lane>,
+) {
+    let middle = if group.guards.results.is_empty() { to } else { 0.5 * (from + to) };
+    for [from, to] in [[from, middle], [middle, to]] {
         let turn = if group.general { (0.5 * end).clamp(from.min(to), to.max(from)) } else { to };
-        out.push(Piece { from, to: turn, ..whole });
-        out.push(Piece { from: end - to, to: end - turn, by_lag: true, ..whole });
-    }
-    out.retain(|piece| piece.from != piece.to);
-}
-
-/// exp(-c lag) of a member.
-fn decay(group: &Group, member: usize, lag: f64) -> f64 {
-    match group.kernels[group.members[member].kernel] {
-        Kernel::Exponential(c) => (-c * lag).exp(),
-        Kernel::General(..) => 0.0,
+        for (from, to, by_lag) in [(from, turn, false), (end - to, end - turn, true)] {
+            if from != to {
+                out.push(Lane { sum, place, from, to, end, by_lag });
+            }
+        }
     }
 }
 
 /// Whether the last coefficients exceed a share of the largest value. False for non-finite values, which no halving
 /// removes.
-fn is_unresolved(values: &[f64; ORDER]) -> bool {
-    let larger = |most: f64, value: &f64| if value.abs() > most { value.abs() } else { most };
-    last(values) > RESOLVED * values.iter().fold(0.0, larger)
+#[inline(always)]
+fn is_unresolved(values: &[f64]) -> bool {
+    let mut largest = [0.0; 4];
+    for values in values[..ORDER].as_chunks::<4>().0 {
+        for l in 0..4 {
+            largest[l] = if values[l].abs() > largest[l] { values[l].abs() } else { largest[l] };
+        }
+    }
+    last(values) > RESOLVED * largest.into_iter().fold(0.0, f64::max)
 }
 
 /// Sum of the last two coefficients in magnitude: about the error of the interpolating polynomial for a power with its
 /// root at an end, and above that of the rule.
-fn last(values: &[f64; ORDER]) -> f64 {
+#[inline(always)]
+fn last(values: &[f64]) -> f64 {
     GAUSS.last.iter().map(|weights| dot(weights, values).abs()).sum()
 }
 
-fn dot(a: &[f64; ORDER], b: &[f64; ORDER]) -> f64 {
+#[inline(always)]
+fn dot(a: &[f64], b: &[f64]) -> f64 {
     // Independent partial sums.
     let mut sums = [0.0; 4];
-    for (a, b) in a.as_chunks::<4>().0.iter().zip(b.as_chunks::<4>().0) {
+    let pairs = a[..ORDER].as_chunks::<4>().0.iter().zip(b[..ORDER].as_chunks::<4>().0);
+    for (a, b) in pairs {
         for l in 0..4 {
             sums[l] += a[l] * b[l];
         }
