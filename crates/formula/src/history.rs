@@ -7,7 +7,10 @@ use super::graph::{Graph, Node, Op, Variable};
 use super::tape::{Integrals, Source, Tape};
 
 /// Panels per horizon, unless fast relaxation needs more; unresolved parts are halved.
-const PANELS: f64 = 16.0;
+const PANELS: f64 = 4.0;
+/// Times per horizon, and at least per piece, between which signs of guards are compared.
+const WATCHES: f64 = 160.0;
+const LEAST_WATCHES: f64 = 5.0;
 /// Largest rate times panel width.
 const STIFFEST: f64 = 4.0;
 /// Limit of the refinement of panels.
@@ -39,11 +42,10 @@ pub(super) struct Group {
     /// Whether the kernels are no exponentials.
     pub(super) general: bool,
     width: f64,
+    watched: f64,
     pub(super) members: Vec<Member>,
     pub(super) kernels: Vec<Kernel>,
-    /// Number of integrands.
-    pub(super) integrands: usize,
-    /// The integrands, then the guards.
+    /// The integrands.
     pub(super) tape: Tape,
     pub(super) guards: Tape,
 }
@@ -111,10 +113,10 @@ impl Group {
             mask: graph.dependence(nodes[0]).space(),
             on_zeta: graph.depends_on(nodes[0], Variable::Zeta),
             general: matches!(graph.op(nodes[0]), Op::Convolve(..)),
+            watched: horizon / WATCHES,
             width: width / (stiffness / STIFFEST).ceil().clamp(1.0, FINEST),
             members,
-            integrands: integrands.len(),
-            tape: tape(&[&integrands[..], &guards].concat()),
+            tape: tape(&integrands),
             guards: tape(&guards),
             kernels: kernels.into_iter().map(kernel).collect(),
         }
@@ -140,6 +142,11 @@ impl Group {
         };
         let kernels: Vec<f64> = self.kernels.iter().map(of_kernel).collect();
         self.members.iter().map(|member| kernels[member.kernel]).collect()
+    }
+
+    /// The number of intervals of a piece at whose ends guards are compared.
+    pub(super) fn watches(&self, width: f64) -> usize {
+        (width / self.watched).ceil().clamp(LEAST_WATCHES, WATCHES) as usize
     }
 
     pub(super) fn edge(&self, p: usize) -> f64 {

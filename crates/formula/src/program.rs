@@ -10,10 +10,11 @@ use std::sync::Arc;
 use rustc_hash::FxHashMap;
 
 use super::block::{BLOCK, Registers};
-use super::graph::{Graph, Node};
+use super::graph::{Graph, Node, Op};
 use super::history::{Group, Plan};
 use super::past::{Around, Past};
 use super::tape::{Integrals, Source, Tape};
+use super::vocabulary::power;
 
 /// Expressions prepared for evaluation; bind to points to evaluate.
 #[derive(Clone, Debug)]
@@ -23,7 +24,7 @@ pub struct Program {
 
 impl Program {
     /// Prepares the outputs for times from 0 to about `horizon`. Later times are allowed; the panels of hereditary
-    /// integrals are horizon/16 wide, narrower for fast relaxation and where an integrand has kinks.
+    /// integrals are horizon/4 wide, narrower for fast relaxation and where an integrand has kinks.
     pub fn compile(graph: &Graph, outputs: &[Node], horizon: f64) -> Self {
         let mut integrals = Integrals::default();
         let groups = Group::all(graph, outputs, horizon, &mut integrals);
@@ -195,9 +196,36 @@ impl From<[f64; 3]> for EvaluationPoint {
 }
 
 impl Graph {
-    /// The value of `f` at a point. Compiles a program each time: for few values.
+    /// The value of `f` at a point, for few values.
     pub fn evaluate(&self, f: Node, at: &EvaluationPoint) -> f64 {
-        Program::compile(self, &[f], at.t).values(&[[at.x, at.y, at.z]], at.t, at.zeta)[0][0]
+        let order = self.reachable(&[f], |node| !self.op(node).is_integral());
+        let mut values = Vec::with_capacity(order.len());
+        for &node in &order {
+            let of =
+                |n: Node| order.binary_search_by_key(&n.0, |n| n.0).map_or(f64::NAN, |k| values[k]);
+            values.push(match self.op(node) {
+                Op::Constant(bits) => f64::from_bits(bits),
+                Op::Variable(v) => [at.x, at.y, at.z, at.t, at.zeta][v as usize],
+                Op::Neg(a) => -of(a),
+                Op::Add(a, b) => of(a) + of(b),
+                Op::Sub(a, b) => of(a) - of(b),
+                Op::Mul(a, b) => of(a) * of(b),
+                Op::Div(a, b) => of(a) / of(b),
+                Op::Power(a, n) => power(of(a), n),
+                Op::Pow(a, b) => of(a).powf(of(b)),
+                Op::Apply(function, a) => function.value(of(a)),
+                Op::Max(a, b) => of(a).max(of(b)),
+                Op::Min(a, b) => of(a).min(of(b)),
+                Op::Less([a, b, then, otherwise]) => {
+                    of(if of(a) < of(b) { then } else { otherwise })
+                }
+                Op::Relax(..) | Op::Convolve(..) => {
+                    let program = Program::compile(self, &[node], at.t);
+                    program.values(&[[at.x, at.y, at.z]], at.t, at.zeta)[0][0]
+                }
+            });
+        }
+        values[values.len() - 1]
     }
 }
 
