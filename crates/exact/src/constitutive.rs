@@ -232,7 +232,7 @@ mod tests {
             let u = vec![node("x^2*y*(1 + t)"), node("0.4*x*t + y*sin(t*y)")];
             let kernels = vec![node("exp(-t)"), node("1/(1 + t)")];
             let kappa = Some(node("0.6 + 0.1*zeta"));
-            let (material, contact, polytope) = (numbers(1.1, full), None, None);
+            let (material, polytope) = (numbers(1.1, full), None);
             let (horizon, size) = (1.0, vec![1.0, 1.0]);
             let exact = Exact::new(ExactData {
                 graph,
@@ -241,7 +241,8 @@ mod tests {
                 regions,
                 kernels,
                 kappa,
-                contact,
+                contact: Vec::new(),
+                inner: Vec::new(),
                 horizon,
                 size,
                 polytope,
