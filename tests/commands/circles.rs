@@ -28,12 +28,6 @@ const KNOWN: &[(&str, &str, usize, &str)] = &[
         "the derivative at the open level is of an evolution, and kept in it",
     ),
     (
-        "formula",
-        "history",
-        8,
-        "memory integrals stand inside formulas, and formulas inside memory integrals",
-    ),
-    (
         "judge",
         "fit/screen",
         3,

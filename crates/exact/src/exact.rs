@@ -148,6 +148,8 @@ pub struct Exact {
     pub body_force: Vec<Node>,
     /// [u, ε, H_1, H_2, …].
     pub interior: Program,
+    /// [u, ε, σ].
+    pub(crate) fields: Program,
     /// f0.
     pub forces: Program,
     /// ζ(t).
@@ -171,12 +173,14 @@ impl Exact {
         let present = [&data.u[..], &strain].concat();
         let outputs = [&present[..], &memory].concat();
         let interior = Program::compile(graph, &outputs, data.horizon);
+        let fields = [&present[..], &stress].concat();
+        let fields = Program::compile(graph, &fields, data.horizon);
         let forces = Program::compile(graph, &body_force, data.horizon);
         let needs_zeta = data.kappa.is_some_and(|kappa| graph.depends_on(kappa, Variable::Zeta));
         let polytope = data.polytope.as_ref().map(|polytope| Domain::Coarse(&polytope.coarse));
         let domain = polytope.unwrap_or(Domain::Box(&data.size));
         let zeta = AccumulatedStrain::new(graph, &strain, data.horizon, domain, needs_zeta);
-        Self { strain, memory, stress, body_force, interior, forces, zeta, data }
+        Self { strain, memory, stress, body_force, interior, fields, forces, zeta, data }
     }
 
     pub(crate) fn dimension(&self) -> usize {
@@ -184,7 +188,7 @@ impl Exact {
     }
 
     /// The region of each point, 0 outside all [`ExactData::regions`].
-    pub(crate) fn regions_at(&self, points: &[[f64; 3]]) -> Vec<usize> {
+    pub fn regions_at(&self, points: &[[f64; 3]]) -> Vec<usize> {
         let mut found = vec![0; points.len()];
         if self.data.regions.is_empty() {
             return found;
@@ -237,7 +241,9 @@ impl Exact {
 
     /// σ at points.
     pub(crate) fn stress_at<const D: usize>(&self, points: &[[f64; 3]], t: f64) -> Vec<Tensor<D>> {
-        self.stress_for(points, t, self.kappa(t))
+        let out = self.fields.values(points, t, self.zeta.at(t));
+        let first = D + self.strain.len();
+        (0..points.len()).map(|p| full(|k| out[first + k][p])).collect()
     }
 
     /// σ at points for a κ.

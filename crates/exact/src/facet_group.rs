@@ -16,8 +16,6 @@ pub(super) struct FacetGroup {
     pub(super) facets: Vec<usize>,
     /// The facets by their numbers in the mesh.
     pub(super) mesh_facets: Vec<usize>,
-    /// The regions of their centroids.
-    pub(super) regions: Vec<usize>,
     formulas: BoundaryFormulas,
     /// For [u_ν, c, …], for the locked set, and for ε.
     pub(super) points: Sampled,
@@ -93,7 +91,6 @@ pub(super) fn facet_groups(
             samples: sampled(&samples),
             strains: sampled(rule),
             facets: members.iter().map(|(position, _)| *position).collect(),
-            regions: exact.facet_regions(mesh, &facets),
             mesh_facets: facets,
         });
     }

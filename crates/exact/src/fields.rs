@@ -1,145 +1,132 @@
-//! Exact fields on a mesh at one time, and their nodal forces.
+//! Exact fields on a mesh at one time: their moments and nodal forces.
 
 use std::ops::Range;
 
-use pulp::{Simd, WithSimd};
-
-use super::constitutive::{Tensor, mandel, stress};
+use super::cuts::{Cut, Cuts};
 use super::exact::Exact;
-use super::lanes::{Lanes, WIDTH};
 use super::nodal_force::add_means;
-use super::onto::{Onto, append};
+use super::onto::{Onto, Projector};
 use super::sampled::{Sampled, tensor_names, vector_names};
 use super::shapes::Work;
+use super::symbolic::components;
 use fem::contact::{Discretization, LoadError};
+use fem::norms::Moments;
 use fem::space::quadrature::Rule;
-use formula::Program;
 
 /// The fields at a time.
 pub(super) struct Fields<'a> {
     pub exact: &'a Exact,
     pub space: &'a Discretization,
-    /// Of each cell.
-    pub regions: &'a [usize],
     pub t: f64,
     pub zeta: f64,
-    pub kappa: f64,
+}
+
+/// u, ε or σ with factors, as [`Projector::split`] takes them.
+type Field<'a> = Vec<(&'a [f64], f64)>;
+
+/// u, ε and σ among the outputs of [`Exact::fields`], tensors in the notation of moments: the diagonal, then √2 times
+/// yz, xz, xy (in the plane xy).
+fn in_notation_of_moments<'a>(d: usize, values: &[&'a [f64]]) -> [Field<'a>; 3] {
+    let (of_pairs, root) = (components(d), std::f64::consts::SQRT_2);
+    let diagonal = (0..of_pairs.len()).filter(|&k| of_pairs[k].0 == of_pairs[k].1);
+    let others = (0..of_pairs.len()).rev().filter(|&k| of_pairs[k].0 != of_pairs[k].1);
+    let order: Vec<(usize, f64)> =
+        diagonal.map(|k| (k, 1.0)).chain(others.map(|k| (k, root))).collect();
+    let tensor =
+        |first: usize| order.iter().map(|&(k, factor)| (values[first + k], factor)).collect();
+    let u = values[..d].iter().map(|values| (*values, 1.0)).collect();
+    [u, tensor(d), tensor(d + of_pairs.len())]
 }
 
 impl Fields<'_> {
-    /// [u, ε, H_1, …], and the names of those that must be finite.
-    pub(super) fn inside(&self) -> (&Program, Vec<String>) {
+    /// Passes u, ε and σ to `visit`, run by run, see [`Sampled::each_block`].
+    pub(super) fn each_block(
+        &self,
+        points: &Sampled,
+        visit: impl FnMut(Range<usize>, &[&[f64]]),
+    ) -> Result<(), LoadError> {
         let d = self.exact.dimension();
-        (&self.exact.interior, [vector_names("u", d), tensor_names("ε", d)].concat())
+        let names = [vector_names("u", d), tensor_names("ε", d)].concat();
+        let at = (self.t, self.zeta);
+        points.each_block(&self.space.mesh, &self.exact.fields, at, &names, visit)
     }
 
-    /// ε and σ in some cells of the given regions; `field` gives its values by number.
-    #[inline(always)]
-    pub(super) fn of_cells<const D: usize>(
-        &self,
-        regions: &[usize],
-        field: impl Fn(usize) -> Lanes,
-        memory: &mut Vec<Tensor<D, Lanes>>,
-    ) -> (Tensor<D, Lanes>, Tensor<D, Lanes>) {
-        let strain = self.exact.tensors(field, memory);
-        let law = |region| stress(self.exact.material_in(region), &strain, memory, self.kappa);
-        (strain, by_region(regions, law))
+    /// The moments in the cells.
+    pub(super) fn moments(&self, points: &Sampled) -> Result<Moments, LoadError> {
+        let (d, mut sums) = (self.exact.dimension(), Moments::default());
+        let tensors = self.exact.strain.len() * self.space.geometry.points();
+        sums.strain.at.reserve_exact(tensors);
+        sums.stress.at.reserve_exact(tensors);
+        sums.displacement.node.reserve_exact(d * self.space.nodes.cells.len());
+        let onto = &Onto::new(self.space.element, &points.rule);
+        self.each_block(points, |cells, values| {
+            let measures = &self.space.geometry.measure[cells];
+            let [u, strain, stress] = in_notation_of_moments(d, values);
+            let Moments { strain: of_strain, stress: of_stress, displacement, .. } = &mut sums;
+            of_strain.rest += onto.strains.split(&strain, measures, &mut of_strain.at);
+            of_stress.rest += onto.strains.split(&stress, measures, &mut of_stress.at);
+            displacement.rest += onto.functions.split(&u, measures, &mut displacement.node);
+        })?;
+        Ok(sums)
+    }
+
+    /// Recomputes the moments of cells cut by a kink by the rule of `whole` cells on their pieces. A cell with new
+    /// non-finite values is left as it is. Loads keep the rule attributed to the scheme, whose error is measured
+    /// separately.
+    pub(super) fn correct(&self, cuts: &Cuts, whole: &Rule, moments: &mut Moments) {
+        let cut = cuts.rules(&self.space.mesh, whole, self.t);
+        let rules =
+            cut.iter().flat_map(|Cut { simplex, rule }| [whole, rule].map(|rule| (*simplex, rule)));
+        let points = cuts.points(&self.space.mesh, rules);
+        let values = self.exact.fields.values(&points, self.t, self.zeta);
+        let onto = Onto::new(self.space.element, whole);
+        let mut first = 0;
+        for Cut { simplex, rule } in &cut {
+            let measure = self.space.geometry.measure[*simplex];
+            let [before, pieces] = [(&onto, whole), (&onto.by(rule), rule)].map(|(onto, rule)| {
+                let range = first..first + rule.weights.len();
+                first = range.end;
+                let of_cell: Vec<&[f64]> = values.iter().map(|all| &all[range.clone()]).collect();
+                let [u, strain, stress] = in_notation_of_moments(self.exact.dimension(), &of_cell);
+                let of = |onto: &Projector, field: &Field<'_>| {
+                    let mut numbers = Vec::new();
+                    (onto.split(field, &[measure], &mut numbers), numbers)
+                };
+                let strains = &onto.strains;
+                [of(strains, &strain), of(strains, &stress), of(&onto.functions, &u)]
+            });
+            if before.iter().chain(&pieces).all(|(rest, _)| rest.is_finite()) {
+                let Moments { strain, stress, displacement, .. } = moments;
+                let targets = [
+                    (&mut strain.rest, &mut strain.at),
+                    (&mut stress.rest, &mut stress.at),
+                    (&mut displacement.rest, &mut displacement.node),
+                ];
+                for ((rest, all), (before, (after, numbers))) in
+                    targets.into_iter().zip(before.iter().zip(pieces))
+                {
+                    // If all cells are cut, the rest may be rounding of either sign.
+                    *rest = (*rest + (after - before.0)).max(0.0);
+                    all[numbers.len() * simplex..][..numbers.len()].copy_from_slice(&numbers);
+                }
+            }
+        }
     }
 
     /// ∫ σ:ε(v), over all nodes.
-    pub(crate) fn stress_force<const D: usize, const N: usize>(
+    pub(crate) fn stress_force<const D: usize>(
         &self,
         points: &Sampled,
     ) -> Result<Vec<f64>, LoadError> {
         let (space, onto) = (self.space, &Onto::new(self.space.element, &points.rule));
         let work = Work::new(space.element, D);
         let (mut force, mut means) = (vec![0.0; space.nodes.len()], Vec::new());
-        let rule = &points.rule;
-        let (program, names) = self.inside();
-        let at = (self.t, 0.0);
-        points.each_block(&space.mesh, program, at, &names, |cells, values| {
-            let (fields, cells, room) = (self, &cells, &mut means);
-            let means_of_cells = Means::<D, N> { fields, rule, onto, cells, values, means: room };
-            pulp::Arch::new().dispatch(means_of_cells);
-            add_means::<D>((space, &work), cells.clone(), &means, &mut force);
+        self.each_block(points, |cells, values| {
+            means.clear();
+            let [.., stress] = in_notation_of_moments(D, values);
+            onto.strains.split(&stress, &space.geometry.measure[cells.clone()], &mut means);
+            add_means::<D>((space, &work), cells, &means, &mut force);
         })?;
         Ok(force)
-    }
-}
-
-/// The tensor of `law` for each cell by its region.
-#[inline(always)]
-fn by_region<const D: usize>(
-    regions: &[usize],
-    law: impl Fn(usize) -> Tensor<D, Lanes>,
-) -> Tensor<D, Lanes> {
-    let mut all = [[Lanes::from(0.0); D]; D];
-    // Called from one place only, so that it is inlined.
-    for (l, &region) in regions.iter().enumerate() {
-        if l > 0 && region == regions[0] {
-            continue;
-        }
-        let tensor = law(region);
-        if l == 0 {
-            all = tensor;
-            continue;
-        }
-        let pairs = all.as_flattened_mut().iter_mut().zip(tensor.as_flattened());
-        pairs.for_each(|(all, tensor)| all.0[l] = tensor.0[l]);
-    }
-    all
-}
-
-/// Projections of σ onto the strains of some cells (means for linear elements), on the widest vectors of the processor.
-struct Means<'a, const D: usize, const N: usize> {
-    fields: &'a Fields<'a>,
-    rule: &'a Rule,
-    onto: &'a Onto,
-    cells: &'a Range<usize>,
-    values: &'a [&'a [f64]],
-    /// Cell by cell, in the notation of moments.
-    means: &'a mut Vec<f64>,
-}
-
-impl<const D: usize, const N: usize> WithSimd for Means<'_, D, N> {
-    type Output = ();
-
-    #[inline(always)]
-    fn with_simd<S: Simd>(self, _: S) {
-        let Self { fields, rule, onto, cells, values, means } = self;
-        let (count, mut memory, mut sigmas) = (cells.len(), Vec::new(), Vec::new());
-        let mut projected: Vec<[Lanes; N]> = Vec::new();
-        means.clear();
-        for first in (0..count).step_by(WIDTH) {
-            let end = count.min(first + WIDTH);
-            let regions = &fields.regions[cells.start + first..cells.start + end];
-            sigmas.clear();
-            for q in 0..rule.weights.len() {
-                let field = |k: usize| Lanes::load(&values[k][count * q + first..count * q + end]);
-                let (_, sigma) = fields.of_cells::<D>(regions, field, &mut memory);
-                sigmas.push(mandel(&sigma));
-            }
-            onto.strains.project(&sigmas, &mut projected);
-            append(means, end - first, &projected);
-        }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn each_cell_has_the_law_of_its_own_region() {
-        // In lane l of region r: 10 r + l.
-        let law = |region: usize| {
-            let lanes = Lanes(std::array::from_fn(|l| (10 * region + l) as f64));
-            [[lanes; 2]; 2]
-        };
-        let lanes = |regions: &[usize]| by_region(regions, law)[0][1].0;
-        assert_eq!(lanes(&[2, 2, 2, 2]), [20.0, 21.0, 22.0, 23.0]);
-        assert_eq!(lanes(&[0, 3, 0, 1]), [0.0, 31.0, 2.0, 13.0]);
-        // Of the last cells of a run only some lanes count.
-        assert_eq!(lanes(&[1, 0])[..2], [10.0, 1.0]);
     }
 }

@@ -1,7 +1,7 @@
 //! Exact solutions from formulas: fields, loads, contact state, and their verification.
 //!
-//! Independence: the stress is computed from full tensors by [`constitutive`], at the accuracy of formulas and adaptive
-//! quadrature, and turned into nodal forces by [`nodal_force`], without `law`, `history` or `vhi`. What both sides
+//! Independence: the stress is a formula, of interpolants computed from full tensors by [`constitutive`], at the accuracy
+//! of formulas and adaptive quadrature, and turned into nodal forces by [`nodal_force`], without `law`, `history` or `vhi`. What both sides
 //! share contains no law and no integral of the problem; `tests/commands/house.rs` lists it:
 //! - of `contact`: `Discretization`, for the mesh, the node numbers of a load vector, cell areas and the order of the
 //!   facets of Γ3 (a wrong one moves forces to wrong nodes, which no formula repeats); `LoadError`, a message;
@@ -14,14 +14,12 @@ mod check;
 pub mod constitutive;
 mod contact_samples;
 mod curve;
-mod cut_cells;
 mod cuts;
 mod densities;
 mod double_exponential;
 mod edge_compliance;
 mod exact;
 mod facet_group;
-mod field_moments;
 mod fields;
 mod finite_exact;
 mod friction;

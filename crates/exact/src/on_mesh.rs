@@ -33,8 +33,6 @@ pub struct ExactOnMesh {
     /// Facets of Γ3 in groups of one normal: error points, then samples for the locked set.
     contact: Vec<FacetGroup>,
     traction: Vec<FacetGroup>,
-    /// Of each cell.
-    regions: Vec<usize>,
     loads: ByTime<Vec<f64>>,
     moments: ByTime<KnownMoments>,
     cuts: Option<Cuts>,
@@ -63,7 +61,6 @@ impl ExactOnMesh {
             Sampled::new(cells, rule)
         };
         let contact = facet_groups(&exact, &space, &space.trace.mesh_facet, &rules.side);
-        let regions = exact.cell_regions(&space.mesh);
         let fields = [&exact.data.u[..], &exact.strain].concat();
         let cuts = |fields: &[Node]| {
             let cells = (0..space.mesh.cell_count()).map(|c| space.mesh.cell(c));
@@ -76,7 +73,6 @@ impl ExactOnMesh {
             stress_points: (rules.stress != rules.error).then(|| cell_points(&rules.stress)),
             force_points: cell_points(&rules.load),
             error_points: cell_points(&rules.error),
-            regions,
             contact,
             traction: facet_groups(&exact, &space, &free, &rules.side),
             exact,
@@ -91,14 +87,7 @@ impl ExactOnMesh {
     }
 
     fn at(&self, t: f64) -> Fields<'_> {
-        Fields {
-            exact: &self.exact,
-            space: &self.space,
-            regions: &self.regions,
-            t,
-            zeta: if self.form == LoadForm::Strong { self.exact.zeta.at(t) } else { f64::NAN },
-            kappa: self.exact.kappa(t),
-        }
+        Fields { exact: &self.exact, space: &self.space, t, zeta: self.exact.zeta.at(t) }
     }
 
     /// Whether loads use the moments of σ: both are then bit-identical, whichever comes first.
@@ -106,10 +95,7 @@ impl ExactOnMesh {
         self.form == LoadForm::Weak && self.stress_points.is_none()
     }
 
-    fn compute_load<const D: usize, const N: usize>(
-        &self,
-        t: f64,
-    ) -> Result<Arc<Vec<f64>>, LoadError> {
+    fn compute_load<const D: usize>(&self, t: f64) -> Result<Arc<Vec<f64>>, LoadError> {
         self.loads.get_or(t, || {
             if self.form == LoadForm::Strong {
                 return Ok(self.densities_at::<D>(t)?.assembled(&self.space, false));
@@ -121,7 +107,7 @@ impl ExactOnMesh {
                 }
                 None => {
                     let points = self.stress_points.as_ref().unwrap_or(&self.error_points);
-                    self.at(t).stress_force::<D, N>(points)?
+                    self.at(t).stress_force::<D>(points)?
                 }
             };
             self.add_contact_pressure(t, &mut force)?;
@@ -130,17 +116,14 @@ impl ExactOnMesh {
         })
     }
 
-    fn compute_moments<const D: usize, const N: usize>(
-        &self,
-        t: f64,
-    ) -> Result<Arc<Moments>, LoadError> {
+    fn compute_moments<const D: usize>(&self, t: f64) -> Result<Arc<Moments>, LoadError> {
         let known = self.moments.get_or(t, || {
             let fields = self.at(t);
-            let mut moments = fields.moments::<D, N>(&self.error_points)?;
+            let mut moments = fields.moments(&self.error_points)?;
             let mut of_loads = None;
             if let Some(cuts) = &self.cuts {
                 let before = moments.stress.at.clone();
-                fields.correct::<D, N>(cuts, &self.error_points.rule, &mut moments);
+                fields.correct(cuts, &self.error_points.rule, &mut moments);
                 let changed = self.is_shared() && before != moments.stress.at;
                 of_loads = changed.then_some(before);
             }
@@ -153,11 +136,11 @@ impl ExactOnMesh {
 
 impl Truth for ExactOnMesh {
     fn load(&self, t: f64) -> Result<Arc<Vec<f64>>, LoadError> {
-        in_dimension!(self.space.mesh.dimension, D, S => self.compute_load::<D, S>(t))
+        in_dimension!(self.space.mesh.dimension, D => self.compute_load::<D>(t))
     }
 
     fn moments(&self, t: f64) -> Result<Arc<Moments>, LoadError> {
-        in_dimension!(self.space.mesh.dimension, D, S => self.compute_moments::<D, S>(t))
+        in_dimension!(self.space.mesh.dimension, D => self.compute_moments::<D>(t))
     }
 
     fn densities(&self, t: f64) -> Result<Option<Densities>, LoadError> {

@@ -1,10 +1,9 @@
-//! Projections of sampled fields onto the element. Index loops, since the inlined calls then vectorise.
+//! Projections of sampled fields onto the element.
 
 use std::sync::Arc;
 
 use nalgebra::DMatrix;
 
-use super::lanes::{Lanes, Number};
 use super::shapes::Shapes;
 use fem::space::Element;
 use fem::space::quadrature::Rule;
@@ -42,11 +41,11 @@ pub(super) struct Projector {
     /// Of the matrix of their products, row by row.
     inverse: Arc<[f64]>,
     count: usize,
+    weights: Vec<f64>,
     /// The values of all functions, point by point.
     shape: Vec<f64>,
     /// The weights of all points in the coefficients, function by function.
     dual: Vec<f64>,
-    points: usize,
 }
 
 impl Projector {
@@ -80,45 +79,63 @@ impl Projector {
             let points = shape.chunks(count).zip(weights);
             dual.extend(points.map(|(shape, weight)| weight * sum(shape)));
         }
-        Self { functions, inverse, count, shape, dual, points: weights.len() }
+        Self { functions, inverse, count, weights: weights.to_vec(), shape, dual }
     }
 
-    /// The coefficients of sampled values.
-    #[inline(always)]
-    pub(super) fn project<T: Number, const N: usize>(
+    /// Appends the coefficients of fields on some cells to `out`, cell by cell and function by function, and returns
+    /// Σ_K ∫_K |r|² of what is left, the cells having these measures. Each field comes with a factor; its value at point
+    /// q of cell i of m is at q m + i.
+    pub(super) fn split(
         &self,
-        values: &[[T; N]],
-        out: &mut Vec<[T; N]>,
-    ) {
-        out.clear();
-        for dual in self.dual.chunks_exact(self.points) {
-            let mut sum = [T::from(0.0); N];
-            for (value, weight) in values.iter().zip(dual) {
-                let weight = T::from(*weight);
-                for i in 0..N {
-                    sum[i] = sum[i] + weight * value[i];
-                }
-            }
-            out.push(sum);
-        }
+        fields: &[(&[f64], f64)],
+        measures: &[f64],
+        out: &mut Vec<f64>,
+    ) -> f64 {
+        pulp::Arch::new().dispatch(
+            #[inline(always)]
+            || self.split_on_vectors(fields, measures, out),
+        )
     }
 
-    /// Replaces values point by point by their remainders; `out` are the coefficients.
+    /// Index-free inner loops over cells, which vectorise.
     #[inline(always)]
-    pub(super) fn split<T: Number, const N: usize>(
+    fn split_on_vectors(
         &self,
-        values: &mut [[T; N]],
-        out: &mut Vec<[T; N]>,
-    ) {
-        self.project(values, out);
-        for (value, shape) in values.iter_mut().zip(self.shape.chunks_exact(self.count)) {
-            for (coefficient, s) in out.iter().zip(shape) {
-                let s = T::from(*s);
-                for i in 0..N {
-                    value[i] = value[i] - coefficient[i] * s;
+        fields: &[(&[f64], f64)],
+        measures: &[f64],
+        out: &mut Vec<f64>,
+    ) -> f64 {
+        let (m, points) = (measures.len(), self.weights.len());
+        let mut coefficients = vec![0.0; m * self.count * fields.len()];
+        let mut squares = vec![0.0; m * points];
+        let (mut coefficient, mut left) = (vec![0.0; m * self.count], vec![0.0; m * points]);
+        for (k, (values, factor)) in fields.iter().enumerate() {
+            left.iter_mut().zip(*values).for_each(|(left, value)| *left = factor * value);
+            coefficient.fill(0.0);
+            let rows = coefficient.chunks_exact_mut(m).zip(self.dual.chunks_exact(points));
+            for (row, dual) in rows {
+                for (values, weight) in left.chunks_exact(m).zip(dual) {
+                    row.iter_mut().zip(values).for_each(|(sum, value)| *sum += weight * value);
                 }
             }
+            for (left, shape) in left.chunks_exact_mut(m).zip(self.shape.chunks_exact(self.count)) {
+                for (row, s) in coefficient.chunks_exact(m).zip(shape) {
+                    left.iter_mut().zip(row).for_each(|(left, c)| *left -= c * s);
+                }
+            }
+            squares.iter_mut().zip(&left).for_each(|(sum, left)| *sum += left * left);
+            for (a, row) in coefficient.chunks_exact(m).enumerate() {
+                let of_cells = coefficients[fields.len() * a + k..].iter_mut();
+                let stride = fields.len() * self.count;
+                of_cells.step_by(stride).zip(row).for_each(|(out, c)| *out = *c);
+            }
         }
+        out.extend_from_slice(&coefficients);
+        let mut sums = vec![0.0; m];
+        for (squares, weight) in squares.chunks_exact(m).zip(&self.weights) {
+            sums.iter_mut().zip(squares).for_each(|(sum, square)| *sum += weight * square);
+        }
+        measures.iter().zip(sums).fold(0.0, |rest, (measure, sum)| rest + measure * sum)
     }
 }
 
@@ -128,46 +145,38 @@ fn values(functions: &Shapes, rule: &Rule) -> Vec<f64> {
     values
 }
 
-/// Appends the numbers of the first cells, cell by cell, and within a cell place by place.
-#[inline(always)]
-pub(super) fn append<const N: usize>(all: &mut Vec<f64>, cells: usize, places: &[[Lanes; N]]) {
-    for l in 0..cells {
-        for numbers in places {
-            let mut of_cell = [0.0; N];
-            for i in 0..N {
-                of_cell[i] = numbers[i].0[l];
-            }
-            all.extend_from_slice(&of_cell);
-        }
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use fem::space::quadrature::{edge, triangle_degree_6};
 
-    /// Linear tensors and quadratic vectors have no remainder; a cubic has one.
+    /// Linear fields and quadratic functions have no remainder; a cubic has one.
     #[test]
     fn what_the_element_has_is_given_back() {
         let rule = triangle_degree_6();
         let onto = Onto::new(Element::P2, &rule);
-        let linear = |b: &[f64]| [1.0 + 2.0 * b[1] - 3.0 * b[2]];
-        let mut values: Vec<[f64; 1]> = rule.points.iter().map(|b| linear(b)).collect();
-        let mut out = Vec::new();
-        onto.strains.split(&mut values, &mut out);
+        let linear = |b: &[f64], cell: f64| cell + 2.0 * b[1] - 3.0 * b[2];
+        // Two fields on three cells, of which the second is the first, doubled.
+        let cells = [1.0, -2.0, 0.5];
+        let sampled: Vec<f64> =
+            rule.points.iter().flat_map(|b| cells.map(|cell| linear(b, cell))).collect();
+        let (mut out, fields) = (Vec::new(), [(&sampled[..], 1.0), (&sampled[..], 2.0)]);
+        let rest = onto.strains.split(&fields, &[1.0; 3], &mut out);
         let points = Element::P2.strain_rule(2).points;
-        assert!(points.iter().zip(&out).all(|(b, at)| (at[0] - linear(b)[0]).abs() < 1e-14));
-        assert!(values.iter().all(|[left]| left.abs() < 1e-14));
+        let expected = cells.iter().flat_map(|&cell| {
+            points.iter().flat_map(move |b| [1.0, 2.0].map(|factor| factor * linear(b, cell)))
+        });
+        assert_eq!(out.len(), 3 * 3 * 2);
+        assert!(out.iter().zip(expected).all(|(at, e)| (at - e).abs() < 1e-14), "{out:?}");
+        assert!(rest < 1e-28);
         let rule = edge(6);
         let onto = Projector::new(&rule, Shapes::of_facet(Element::P2, 2));
         let left = |f: &dyn Fn(f64) -> f64, expected: [f64; 3]| {
-            let mut values: Vec<[f64; 1]> = rule.points.iter().map(|b| [f(b[1])]).collect();
+            let values: Vec<f64> = rule.points.iter().map(|b| f(b[1])).collect();
             let mut out = Vec::new();
-            onto.split(&mut values, &mut out);
-            let off = out.iter().zip(expected).map(|(at, e)| (at[0] - e).abs()).fold(0.0, f64::max);
-            let weights = values.iter().zip(&rule.weights);
-            (off, weights.map(|([left], w)| w * left * left).sum::<f64>())
+            let rest = onto.split(&[(&values, 1.0)], &[1.0], &mut out);
+            let off = out.iter().zip(expected).map(|(at, e)| (at - e).abs()).fold(0.0, f64::max);
+            (off, rest)
         };
         let (off, rest) = left(&|x| x * (3.0 - x), [0.0, 2.0, 1.25]);
         assert!(off < 1e-14 && rest < 1e-28);

@@ -3,7 +3,6 @@
 use std::ops::Range;
 use std::sync::{Mutex, PoisonError};
 
-use super::lanes::WIDTH;
 use super::symbolic::components;
 use fem::contact::LoadError;
 use fem::mesh::Mesh;
@@ -20,6 +19,8 @@ const BLOCK: usize = 1 << 14;
 const ROUNDING: f64 = 4.0 * f64::EPSILON;
 /// Limit of points evaluated together, so that fields and registers stay in cache.
 const LANES: usize = 128;
+/// Simplices that fill vectors.
+const WIDTH: usize = 4;
 
 /// The points of a rule on a list of simplices, with formulas bound to them.
 pub(super) struct Sampled {

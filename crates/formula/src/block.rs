@@ -32,13 +32,16 @@ impl Registers {
 
     #[inline(always)]
     fn run_steps(&mut self, tape: &Tape, count: usize, mut fetch: impl FnMut(Source, &mut [f64])) {
-        for (out, step) in &tape.steps {
+        for (out, step, equal) in &tape.steps {
             // Taken out, so that operands can be read meanwhile.
             let mut target = std::mem::take(&mut self.blocks[*out]);
+            let lanes = if *equal { count.min(1) } else { count };
             match step {
-                Step::Fetch(source) => fetch(*source, &mut target[..count]),
-                step => self.compute(step, &mut target[..count]),
+                Step::Fetch(source) => fetch(*source, &mut target[..lanes]),
+                step => self.compute(step, &mut target[..lanes]),
             }
+            let first = target[0];
+            target[lanes..count].fill(first);
             self.blocks[*out] = target;
         }
     }
@@ -155,7 +158,7 @@ mod tests {
             "if(t < 0.5, sin(t)*exp(t), max(t, 1/3) - min(t^2, 0.9))",
         ];
         let roots = texts.map(|text| graph.parse(text, &scope).expect("a formula"));
-        let tape = Tape::compile(&graph, &roots, |_| None);
+        let tape = Tape::compile(&graph, &roots, &Default::default(), false);
         let times: Vec<f64> = (0..COUNT).map(|k| (0.1 + k as f64).sqrt() - 3.0).collect();
         let fetch = |_: Source, out: &mut [f64]| out.copy_from_slice(&times);
         let (mut wide, mut plain) = (Registers::default(), Registers::default());

@@ -204,8 +204,7 @@ pub struct Enclosing<'a> {
 impl Graph {
     /// `f` for enclosures. Hereditary integrals in it have no bound.
     pub fn enclosing(&self, f: Node) -> Enclosing<'_> {
-        let order =
-            self.reachable(&[f], |n| !matches!(self.op(n), Op::Relax(..) | Op::Convolve(..)));
+        let order = self.reachable(&[f], |n| !self.op(n).is_integral());
         let values = vec![Enclosure::of(Interval::ALL); f.index() + 1];
         Enclosing { graph: self, root: f, order, values }
     }

@@ -63,10 +63,6 @@ impl Dependence {
         self.0 & Self::HISTORY != 0
     }
 
-    pub(super) fn is_static(self) -> bool {
-        !self.on_time() && !self.contains(Variable::Zeta)
-    }
-
     pub(super) fn at_most_time(self) -> bool {
         self.0 & !Self::HISTORY & !Self::of(Variable::T).0 == 0
     }
@@ -106,6 +102,10 @@ pub(super) enum Op {
 }
 
 impl Op {
+    pub(super) fn is_integral(self) -> bool {
+        matches!(self, Self::Relax(..) | Self::Convolve(..))
+    }
+
     pub(super) fn operands(&self) -> impl Iterator<Item = Node> + use<> {
         let list = match *self {
             Self::Constant(_) | Self::Variable(_) => [None; 4],

@@ -53,7 +53,7 @@ impl Graph {
         for &node in &below {
             let op = self.op(node);
             let inside = op.operands().map(|operand| depths[operand.index()]).max();
-            let own = usize::from(matches!(op, Op::Relax(..) | Op::Convolve(..)));
+            let own = usize::from(op.is_integral());
             depths[node.index()] = inside.unwrap_or(0) + own;
         }
         depths[f.index()]

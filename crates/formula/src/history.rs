@@ -1,170 +1,152 @@
 //! Groups of hereditary integrals.
 //!
-//! Integrals at one stage and depth of nesting form a group, if their kernels are all exponential or none is: one tape computes
-//! their integrands at common times, and panels are broken where any of their guards changes sign.
+//! Integrals over the same coordinates and at one depth of nesting form a group, if their kernels are all exponential or
+//! none is: one tape computes their integrands at common times.
 
 use super::graph::{Graph, Node, Op, Variable};
-use super::program::is_hereditary;
-use super::tape::{Source, Tape};
+use super::tape::{Integrals, Source, Tape};
 
 /// Panels per horizon, unless fast relaxation needs more; unresolved parts are halved.
-const PANELS: f64 = 16.0;
-/// Panels per horizon for non-exponential kernels, whose resolution is not checked.
-const PANELS_OF_GENERAL: f64 = 64.0;
-/// Minimum of watch intervals per horizon.
-const WATCHES: f64 = 320.0;
-/// Largest rate times panel width that the quadrature resolves fully.
-const STIFFEST: f64 = 4.0;
-/// Minimum of watch intervals per panel.
+const PANELS: f64 = 4.0;
+/// Times per horizon, and at least per piece, between which signs of guards are compared.
+const WATCHES: f64 = 160.0;
 const LEAST_WATCHES: f64 = 5.0;
+/// Largest rate times panel width.
+const STIFFEST: f64 = 4.0;
 /// Limit of the refinement of panels.
 const FINEST: f64 = 256.0;
 /// Number of panels of equal width; as many of twice the width follow, and so on, to reach times far beyond the
 /// horizon.
 const UNIFORM: u64 = 4096;
 
-#[derive(Clone, Debug)]
+#[derive(Debug)]
 pub(super) enum Kernel {
     /// exp(-c (t-s))
     Exponential(f64),
-    /// b(t-s): node and tape.
-    General(Node, Tape),
+    /// b(t-s)
+    General(Tape),
 }
 
-#[derive(Clone, Debug)]
+/// One integral, by the numbers of its kernel and its integrand.
+#[derive(Debug)]
 pub(super) struct Member {
-    pub(super) node: Node,
     pub(super) kernel: usize,
     pub(super) integrand: usize,
 }
 
-#[derive(Clone, Debug)]
-pub(super) struct HistoryPlan {
+#[derive(Debug)]
+pub(super) struct Group {
+    /// The coordinates of which the integrals depend: bit 0 for x, 1 for y, 2 for z.
     pub(super) mask: u8,
     pub(super) on_zeta: bool,
-    general: bool,
+    /// Whether the kernels are no exponentials.
+    pub(super) general: bool,
     width: f64,
-    watch_width: f64,
+    watched: f64,
     pub(super) members: Vec<Member>,
     pub(super) kernels: Vec<Kernel>,
-    integrands: Vec<Node>,
-    guards: Vec<Node>,
+    /// The integrands.
     pub(super) tape: Tape,
-    pub(super) watch: Tape,
+    pub(super) guards: Tape,
 }
 
-impl HistoryPlan {
+/// All that a program evaluates.
+#[derive(Debug)]
+pub(super) struct Plan {
+    pub(super) outputs: Tape,
+    /// Groups of hereditary integrals, nested ones first.
+    pub(super) groups: Vec<Group>,
+    pub(super) adds_remainders: bool,
+}
+
+impl Group {
     /// The groups of all integrals in `outputs`, nested ones first.
-    pub(super) fn groups(graph: &Graph, outputs: &[Node], horizon: f64) -> Vec<Self> {
-        let all = graph.reachable(outputs, |_| true);
-        let mut keyed: Vec<((usize, u8, bool, bool), Node)> = Vec::new();
-        for node in all.into_iter().filter(|&n| is_hereditary(graph, n)) {
-            let inside: Vec<Node> = graph.op(node).operands().collect();
-            let inside = graph.reachable(&inside, |_| true);
-            let depths = keyed.iter().filter(|(_, n)| inside.contains(n));
-            let depth = depths.map(|((d, ..), _)| d + 1).max().unwrap_or(0);
+    pub(super) fn all(
+        graph: &Graph,
+        outputs: &[Node],
+        horizon: f64,
+        integrals: &mut Integrals,
+    ) -> Vec<Self> {
+        let key = |&node: &Node| {
             let on_zeta = graph.depends_on(node, Variable::Zeta);
             let general = matches!(graph.op(node), Op::Convolve(..));
-            keyed.push(((depth, graph.dependence(node).space(), on_zeta, general), node));
+            (graph.past_depth(node), graph.dependence(node).space(), on_zeta, general)
+        };
+        let mut nodes = graph.reachable(outputs, |_| true);
+        nodes.retain(|&node| graph.op(node).is_integral());
+        nodes.sort_by_cached_key(|node| (key(node), node.0));
+        let mut groups = Vec::new();
+        for nodes in nodes.chunk_by(|a, b| key(a) == key(b)) {
+            groups.push(Self::new(graph, nodes, horizon, integrals));
+            let numbered = nodes.iter().enumerate();
+            integrals.extend(numbered.map(|(member, &node)| (node, (groups.len() - 1, member))));
         }
-        keyed.sort_by_key(|(key, n)| (*key, n.0));
-        keyed
-            .chunk_by(|(a, _), (b, _)| a == b)
-            .map(|group| {
-                let nodes: Vec<Node> = group.iter().map(|(_, n)| *n).collect();
-                let (_, _, on_zeta, general) = group[0].0;
-                Self::new(graph, &nodes, (on_zeta, general), horizon)
-            })
-            .collect()
+        groups
     }
 
-    fn new(graph: &Graph, nodes: &[Node], (on_zeta, general): (bool, bool), horizon: f64) -> Self {
-        let mut plan = Self {
-            mask: graph.dependence(nodes[0]).space(),
-            on_zeta,
-            general,
-            width: 0.0,
-            watch_width: 0.0,
-            members: Vec::new(),
-            kernels: Vec::new(),
-            integrands: Vec::new(),
-            guards: Vec::new(),
-            tape: Tape::default(),
-            watch: Tape::default(),
-        };
+    fn new(graph: &Graph, nodes: &[Node], horizon: f64, integrals: &Integrals) -> Self {
+        let (mut kernels, mut integrands, mut members) = (Vec::new(), Vec::new(), Vec::new());
         for &node in nodes {
+            // Kernels by the bits of their rate, or by their formula.
             let (kernel, f) = match graph.op(node) {
-                Op::Relax(c, f) => (Kernel::Exponential(f64::from_bits(c)), f),
-                Op::Convolve(b, f) => (Kernel::General(b, Tape::compile(graph, &[b], |_| None)), f),
+                Op::Relax(c, f) => (Ok(c), f),
+                Op::Convolve(b, f) => (Err(b), f),
                 _ => continue,
             };
-            let same = |k: &Kernel| match (k, &kernel) {
-                (Kernel::Exponential(c), Kernel::Exponential(d)) => c == d,
-                (Kernel::General(a, _), Kernel::General(b, _)) => a == b,
-                _ => false,
-            };
-            let known = plan.kernels.iter().position(same);
-            let place = known.unwrap_or(plan.kernels.len());
-            if known.is_none() {
-                plan.kernels.push(kernel);
-            }
-            let integrand = plan.integrands.iter().position(|&g| g == f);
-            let integrand = integrand.unwrap_or_else(|| {
-                plan.integrands.push(f);
-                plan.integrands.len() - 1
+            members.push(Member {
+                kernel: number(&mut kernels, kernel),
+                integrand: number(&mut integrands, f),
             });
-            plan.members.push(Member { node, kernel: place, integrand });
         }
-        plan.guards = graph.guards(&plan.integrands);
-        plan.guards.retain(|g| graph.depends_on(*g, Variable::T));
+        let mut guards = graph.guards(&integrands);
+        guards.retain(|guard| graph.depends_on(*guard, Variable::T));
         let horizon = if horizon.is_finite() && horizon > 0.0 { horizon } else { 1.0 };
-        plan.width = plan.panel_width(horizon);
-        plan.watch_width = (horizon / WATCHES).min(plan.width / LEAST_WATCHES);
-        plan
-    }
-
-    /// Whether the kernels are no exponentials.
-    pub(super) fn is_general(&self) -> bool {
-        self.general
-    }
-
-    fn panel_width(&self, horizon: f64) -> f64 {
-        let panels = if self.is_general() { PANELS_OF_GENERAL } else { PANELS };
-        let width = horizon / panels;
-        let rates = self.kernels.iter().map(|k| match k {
-            Kernel::Exponential(c) => c.abs(),
-            Kernel::General(..) => 0.0,
-        });
+        let width = horizon / PANELS;
+        let rates = kernels.iter().flatten().map(|&c| f64::from_bits(c).abs());
         let stiffness = rates.fold(0.0, f64::max) * width;
-        width / (stiffness / STIFFEST).ceil().clamp(1.0, FINEST)
+        let tape = |roots: &[Node]| Tape::compile(graph, roots, integrals, false);
+        let kernel = |kernel: Result<u64, Node>| match kernel {
+            Ok(c) => Kernel::Exponential(f64::from_bits(c)),
+            Err(b) => Kernel::General(tape(&[b])),
+        };
+        Self {
+            mask: graph.dependence(nodes[0]).space(),
+            on_zeta: graph.depends_on(nodes[0], Variable::Zeta),
+            general: matches!(graph.op(nodes[0]), Op::Convolve(..)),
+            watched: horizon / WATCHES,
+            width: width / (stiffness / STIFFEST).ceil().clamp(1.0, FINEST),
+            members,
+            tape: tape(&integrands),
+            guards: tape(&guards),
+            kernels: kernels.into_iter().map(kernel).collect(),
+        }
     }
 
-    pub(super) fn roots(&self) -> Vec<Node> {
-        [self.integrands.as_slice(), &self.guards].concat()
-    }
-
-    pub(super) fn compile(&mut self, graph: &Graph, source: impl Fn(Node) -> Option<Source>) {
-        self.tape = Tape::compile(graph, &self.integrands, &source);
-        self.watch = Tape::compile(graph, &self.guards, &source);
-    }
-
+    /// The groups that the tapes read.
     pub(super) fn nested(&self) -> Vec<usize> {
-        let sources = self.tape.sources().chain(self.watch.sources());
-        let mut groups: Vec<usize> = sources
-            .filter_map(|source| match source {
-                Source::Recall(group, _) => Some(group),
-                _ => None,
-            })
-            .collect();
+        let of = |source| match source {
+            Source::Integral(group, _) => Some(group),
+            _ => None,
+        };
+        let mut groups: Vec<usize> = self.tape.sources().filter_map(of).collect();
         groups.sort_unstable();
         groups.dedup();
         groups
     }
 
-    /// Number of watch intervals for a length; the wide panels far beyond the horizon have no more than the first.
-    pub(super) fn watches(&self, length: f64) -> usize {
-        let most = (self.width / self.watch_width).ceil();
-        (length.abs() / self.watch_width).ceil().min(most) as usize
+    /// exp(-c lag) of each member; 0 for other kernels.
+    pub(super) fn decays(&self, lag: f64) -> Vec<f64> {
+        let of_kernel = |kernel: &Kernel| match kernel {
+            Kernel::Exponential(c) => (-c * lag).exp(),
+            Kernel::General(..) => 0.0,
+        };
+        let kernels: Vec<f64> = self.kernels.iter().map(of_kernel).collect();
+        self.members.iter().map(|member| kernels[member.kernel]).collect()
+    }
+
+    /// The number of intervals of a piece at whose ends guards are compared.
+    pub(super) fn watches(&self, width: f64) -> usize {
+        (width / self.watched).ceil().clamp(LEAST_WATCHES, WATCHES) as usize
     }
 
     pub(super) fn edge(&self, p: usize) -> f64 {
@@ -188,4 +170,12 @@ impl HistoryPlan {
         }
         p
     }
+}
+
+/// The number of an entry in a list, appended if it is new.
+fn number<T: PartialEq>(list: &mut Vec<T>, entry: T) -> usize {
+    list.iter().position(|known| *known == entry).unwrap_or_else(|| {
+        list.push(entry);
+        list.len() - 1
+    })
 }

@@ -5,10 +5,7 @@
 //! nodes prepared for evaluation, a [`BoundProgram`] a program with its points.
 
 mod block;
-mod bound;
-mod breaks;
 mod build;
-mod cost;
 mod decompose;
 mod derivative;
 mod enclosure;
@@ -27,23 +24,16 @@ mod parser;
 mod past;
 mod program;
 mod quadrature;
-mod resolution;
-mod sampler;
-mod scalar;
 mod scope;
-mod stage;
 mod substitute;
 mod tape;
 mod vocabulary;
-mod weights;
 
-pub use bound::BoundProgram;
 pub use enclosure::{Enclosing, Enclosure, Interval, Place};
 pub use error::ParseError;
 pub use extreme::{Effort, Extreme, Jump, largest};
 pub use graph::{Graph, Node, Variable};
-pub use program::Program;
-pub use scalar::EvaluationPoint;
+pub use program::{BoundProgram, EvaluationPoint, Program};
 pub use scope::Scope;
 pub use vocabulary::Function;
 

@@ -11,8 +11,6 @@ pub(super) struct Rule {
     pub(super) weights: [f64; ORDER],
     /// Weights of the last two Legendre coefficients.
     pub(super) last: [[f64; ORDER]; 2],
-    /// 1 / prod (u_i - u_j) over all other abscissae.
-    apart: [f64; ORDER],
 }
 
 pub(super) static GAUSS: LazyLock<Rule> = LazyLock::new(Rule::legendre);
@@ -22,7 +20,7 @@ impl Rule {
     fn legendre() -> Self {
         let n = ORDER as f64;
         let none = [0.0; ORDER];
-        let mut rule = Self { abscissae: none, weights: none, last: [none; 2], apart: none };
+        let mut rule = Self { abscissae: none, weights: none, last: [none; 2] };
         for k in 0..ORDER {
             let angle = std::f64::consts::PI * (ORDER as f64 - k as f64 - 0.25) / (n + 0.5);
             let mut r = angle.cos();
@@ -36,26 +34,7 @@ impl Rule {
                 weights[k] = (2 * degree + 1) as f64 * rule.weights[k] * legendre(degree, r);
             }
         }
-        let nodes = rule.abscissae;
-        rule.apart = std::array::from_fn(|i| {
-            let others = nodes.iter().enumerate().filter(|(j, _)| *j != i);
-            others.map(|(_, node)| nodes[i] - node).product::<f64>().recip()
-        });
         rule
-    }
-
-    pub(super) fn lagrange(&self, x: f64) -> [f64; ORDER] {
-        // Products over the other nodes: a quotient by x - u_i would lose digits near it.
-        let mut values = self.apart;
-        let (mut before, mut behind) = (1.0, 1.0);
-        for i in 0..ORDER {
-            values[i] *= before;
-            before *= x - self.abscissae[i];
-            let k = ORDER - 1 - i;
-            values[k] *= behind;
-            behind *= x - self.abscissae[k];
-        }
-        values
     }
 }
 
@@ -88,28 +67,6 @@ mod tests {
                 // Twelve terms of up to 2.
                 assert!((found - expected).abs() < 1e-14, "{degree} {k}: {found}");
             }
-        }
-    }
-
-    #[test]
-    fn lagrange_polynomials_interpolate() {
-        for (i, u) in GAUSS.abscissae.iter().enumerate() {
-            for (k, value) in GAUSS.lagrange(*u).into_iter().enumerate() {
-                let expected = f64::from(u8::from(i == k));
-                assert!((value - expected).abs() < 1e-13, "{i} {k}: {value}");
-            }
-        }
-        for x in [0.0, 0.003, 0.5, 0.731, 1.0] {
-            let values = GAUSS.lagrange(x);
-            for degree in 0..ORDER as i32 {
-                let pairs = values.iter().zip(&GAUSS.abscissae);
-                let found: f64 = pairs.map(|(value, u)| value * u.powi(degree)).sum();
-                // Twelve terms of up to a few, with products of twelve roundings.
-                assert!((found - x.powi(degree)).abs() < 1e-13, "{x} {degree}: {found}");
-            }
-            let pairs = values.iter().zip(&GAUSS.abscissae);
-            let beyond: f64 = pairs.map(|(value, u)| value * u.powi(ORDER as i32)).sum();
-            assert!((beyond - x.powi(ORDER as i32)).abs() > 1e-9, "{x}: one degree more");
         }
     }
 

@@ -15,8 +15,7 @@ impl Graph {
         }
         let order = self.reachable(&[f], |n| {
             // A new present leaves the past of an integral unchanged.
-            self.depends_on(n, v)
-                && !(v == Variable::T && matches!(self.op(n), Op::Relax(..) | Op::Convolve(..)))
+            self.depends_on(n, v) && !(v == Variable::T && self.op(n).is_integral())
         });
         let mut new: HashMap<Node, Node> = HashMap::with_capacity(order.len());
         for node in order {
@@ -29,7 +28,7 @@ impl Graph {
 
     /// `f` at the time t without its past: hereditary integrals in it become zero.
     pub fn instant(&mut self, f: Node, t: f64) -> Node {
-        let is_past = |op: Op| matches!(op, Op::Relax(..) | Op::Convolve(..));
+        let is_past = |op: Op| op.is_integral();
         let order = self.reachable(&[f], |n| !is_past(self.op(n)));
         let mut new: HashMap<Node, Node> = HashMap::with_capacity(order.len());
         for node in order {

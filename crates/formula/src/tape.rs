@@ -5,13 +5,17 @@ use std::collections::{HashMap, HashSet};
 use super::graph::{Graph, Node, Op, Variable};
 use super::vocabulary::Function;
 
+/// The group and the member of each hereditary integral.
+pub(super) type Integrals = HashMap<Node, (usize, usize)>;
+
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
 pub(super) enum Source {
     Time,
     Zeta,
-    Slot(usize),
-    /// A hereditary integral at the time of the lane: group and member.
-    Recall(usize, usize),
+    /// A coordinate: 0 for x, 1 for y, 2 for z.
+    Axis(usize),
+    /// A hereditary integral: group and member.
+    Integral(usize, usize),
 }
 
 pub(super) type Register = usize;
@@ -42,22 +46,25 @@ pub(super) enum Step {
 
 #[derive(Clone, Debug, Default)]
 pub(super) struct Tape {
-    pub(super) steps: Vec<(Register, Step)>,
+    /// Each with the register that it writes, and whether the result is equal in all lanes.
+    pub(super) steps: Vec<(Register, Step, bool)>,
     pub(super) registers: usize,
     pub(super) results: Vec<Register>,
 }
 
 impl Tape {
-    /// Compiles `roots`; `source` names what comes from outside.
+    /// Compiles `roots`; `at_once` if all lanes have the same time.
     pub(super) fn compile(
         graph: &Graph,
         roots: &[Node],
-        source: impl Fn(Node) -> Option<Source>,
+        integrals: &Integrals,
+        at_once: bool,
     ) -> Self {
         let source = |n: Node| match graph.op(n) {
             Op::Variable(Variable::T) => Some(Source::Time),
             Op::Variable(Variable::Zeta) => Some(Source::Zeta),
-            _ => source(n),
+            Op::Variable(axis) => Some(Source::Axis(axis as usize)),
+            _ => integrals.get(&n).map(|&(group, member)| Source::Integral(group, member)),
         };
         let order = graph.reachable(roots, |n| source(n).is_none());
         let mut last_use: HashMap<Node, usize> = HashMap::new();
@@ -84,7 +91,8 @@ impl Tape {
                 Some(source) => Step::Fetch(source),
                 None => step(graph, node, |n| held.get(&n).copied().unwrap_or(out)),
             };
-            tape.steps.push((out, step));
+            let equal = at_once && graph.dependence(node).space() == 0;
+            tape.steps.push((out, step, equal));
             held.insert(node, out);
             // Freed only now: a step never writes where it reads.
             if source(node).is_none() {
@@ -104,10 +112,15 @@ impl Tape {
     }
 
     pub(super) fn sources(&self) -> impl Iterator<Item = Source> {
-        self.steps.iter().filter_map(|(_, step)| match step {
+        self.steps.iter().filter_map(|(_, step, _)| match step {
             Step::Fetch(source) => Some(*source),
             _ => None,
         })
+    }
+
+    /// Whether it reads an integral of a group.
+    pub(super) fn reads(&self, group: usize) -> bool {
+        self.sources().any(|source| matches!(source, Source::Integral(of, _) if of == group))
     }
 }
 
@@ -150,7 +163,7 @@ fn step(graph: &Graph, node: Node, register: impl Fn(Node) -> Register) -> Step 
         Op::Max(a, b) => Step::Max(r(a), r(b)),
         Op::Min(a, b) => Step::Min(r(a), r(b)),
         Op::Less(four) => Step::Less(four.map(r)),
-        // Space variables and hereditary integrals always have a source.
+        // These have sources.
         Op::Variable(_) | Op::Relax(..) | Op::Convolve(..) => Step::Constant(f64::NAN),
     }
 }

@@ -112,8 +112,3 @@ pub(super) fn power(x: f64, n: i32) -> f64 {
     }
     if n < 0 { 1.0 / product } else { product }
 }
-
-/// The sign as a number: equal classes mean the same branch.
-pub(super) fn class(guard: f64) -> i8 {
-    i8::from(guard > 0.0) - i8::from(guard < 0.0)
-}

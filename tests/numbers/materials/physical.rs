@@ -59,9 +59,12 @@ fn both_sides_see_one_region() {
             space.regions.iter().zip(&seen).all(|(region, seen)| usize::from(*region) == *seen)
         );
         // Facets of the boundary lie on the simplices, not in them.
-        let top: Vec<usize> =
-            space.mesh.facets_on(&[space.mesh.side("top").expect("top")]).collect();
-        assert!(exact.facet_regions(&space.mesh, &top).iter().all(|region| *region == 1));
+        let (mesh, d) = (&space.mesh, space.mesh.dimension);
+        let sides = [mesh.side("top").expect("top")];
+        let top = mesh.facets_on(&sides);
+        let middles: Vec<[f64; 3]> =
+            top.map(|f| mesh.point(mesh.facet(f), &vec![1.0 / d as f64; d])).collect();
+        assert!(exact.regions_at(&middles).iter().all(|region| *region == 1));
     }
 }
 

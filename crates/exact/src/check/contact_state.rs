@@ -4,7 +4,7 @@ use super::polytope;
 use super::sliding::SlidingExtremes;
 use super::{Finding, SideOfBox, Status, places};
 use crate::Sliding;
-use crate::constitutive::stress;
+use crate::constitutive::{Tensor, full};
 use crate::{ContactFormulas, Exact};
 use fem::mesh::in_dimension;
 use fem::norms::is_locked;
@@ -101,19 +101,17 @@ fn sample<const D: usize>(
     let formulas = exact.boundary(side, &normal[..D]);
     let has_law = exact.contact_on(side).is_some_and(|contact| contact.law.is_some());
     let bilateral = exact.contact_on(side).is_some_and(|contact| contact.bilateral);
-    let (mut bound, mut inside) = (formulas.program.bind(points), exact.interior.bind(points));
-    let (regions, mut memory) = (exact.regions_at(points), Vec::new());
+    let (mut bound, mut inside) = (formulas.program.bind(points), exact.fields.bind(points));
+    let first = D + exact.strain.len();
     let friction = exact.friction(side, &normal[..D]);
     let mut sliding = friction.map(|friction| (friction.tangents, friction.program.bind(points)));
     for n in 0..=TIMES {
         let t = exact.data.horizon * n as f64 / TIMES as f64;
-        let [values, fields] = [&mut bound, &mut inside].map(|bound| bound.values_at(t, 0.0));
+        let (values, fields) = (bound.values_at(t, 0.0), inside.values_at(t, exact.zeta.at(t)));
         let slides = sliding.as_mut().map(|(tangents, bound)| (*tangents, bound.values_at(t, 0.0)));
-        let kappa = exact.kappa(t);
         for p in 0..points.len() {
             let [u_nu, pressure, gap, _, lambda] = [0, 1, 2, 3, 4].map(|i| values[i][p]);
-            let strain = exact.tensors::<D, f64>(|k| fields[k][p], &mut memory);
-            let sigma = stress(exact.material_in(regions[p]), &strain, &memory, kappa);
+            let sigma: Tensor<D> = full(|k| fields[first + k][p]);
             extremes.add(u_nu, pressure, gap, lambda, has_law);
             let mut along = [0.0; 3];
             if let Some((tangents, slides)) = &slides {

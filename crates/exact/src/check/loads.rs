@@ -1,7 +1,6 @@
 //! Strong against weak loads: ∫ f0·v + ∫_{∂Ω} σν·v = ∫ σ:ε(v) for smooth v that vanish on Γ1.
 //!
-//! The two sides are evaluated independently: f0 from the symbolic divergence of the stress formula, σ on the right and
-//! on ∂Ω from the numerical law on full tensors. The integrals are cut where guards change sign ([`super::lines`]). σ
+//! f0 is the symbolic divergence of the formula of σ. The integrals are cut where guards change sign ([`super::lines`]). σ
 //! may jump across such a line (a kink of u): the strong form then lacks ∫ [σ]e_x·v, which is reported separately.
 
 use super::lines::Lines;

@@ -60,17 +60,13 @@ impl ExactOnMesh {
             let count = rule.weights.len();
             let functions = Shapes::of_facet(self.space.element, D);
             let (onto, mut of_nodes) = (Projector::new(rule, functions), Vec::new());
-            let mut at = vec![[0.0]; count];
             for (index, &f) in group.facets.iter().enumerate() {
                 let measure = self.space.trace.measure[f];
                 for (field, target) in [(0, &mut *normal), (1, &mut *pressure)] {
                     let of_facet = &values[field][count * index..count * (index + 1)];
-                    at.iter_mut().zip(of_facet).for_each(|(at, value)| *at = [*value]);
-                    onto.split(&mut at, &mut of_nodes);
-                    let of_facet = &mut target.node[nodes * f..nodes * (f + 1)];
-                    of_facet.copy_from_slice(of_nodes.as_flattened());
-                    let squares = at.iter().zip(&rule.weights).map(|([rest], w)| w * rest * rest);
-                    target.rest += measure * squares.sum::<f64>();
+                    of_nodes.clear();
+                    target.rest += onto.split(&[(of_facet, 1.0)], &[measure], &mut of_nodes);
+                    target.node[nodes * f..nodes * (f + 1)].copy_from_slice(&of_nodes);
                 }
                 for s in 0..sampled {
                     let p = sampled * index + s;

@@ -4,7 +4,7 @@ use fem::contact::LoadError;
 use fem::space::quadrature::Rule;
 
 use super::ExactOnMesh;
-use crate::constitutive::{Tensor, stress};
+use crate::constitutive::{Tensor, full};
 use crate::cuts::Cut;
 use crate::densities::Densities;
 use crate::onto::Projector;
@@ -25,21 +25,22 @@ impl ExactOnMesh {
         let onto = Projector::new(rule, Shapes::of_cell(self.space.element, D));
         let functions = Shapes::of_cell(self.space.element, D);
         let shapes: Vec<Vec<f64>> = rule.points.iter().map(|b| functions.at(b)).collect();
-        let (mut first, mut at_nodes) = (0, Vec::new());
+        let mut first = 0;
         for Cut { simplex, rule: pieces } in &cut {
             let places = first..first + pieces.weights.len();
             first = places.end;
-            let on_pieces: Vec<[f64; D]> =
-                places.map(|p| std::array::from_fn(|i| values[i][p])).collect();
-            if on_pieces.as_flattened().iter().any(|f| !f.is_finite()) {
+            let fields: Vec<_> =
+                values[..D].iter().map(|of_all| (&of_all[places.clone()], 1.0)).collect();
+            if fields.iter().any(|(field, _)| field.iter().any(|f| !f.is_finite())) {
                 continue;
             }
-            onto.by(pieces).project(&on_pieces, &mut at_nodes);
+            let mut at_nodes = Vec::new();
+            onto.by(pieces).split(&fields, &[1.0], &mut at_nodes);
             let count = rule.weights.len();
             let of_cell = &mut body[D * count * simplex..][..D * count];
             for (target, shapes) in of_cell.chunks_mut(D).zip(&shapes) {
                 for (i, f) in target.iter_mut().enumerate() {
-                    *f = shapes.iter().zip(&at_nodes).map(|(s, node)| s * node[i]).sum();
+                    *f = shapes.iter().zip(at_nodes.chunks(D)).map(|(s, node)| s * node[i]).sum();
                 }
             }
         }
@@ -52,7 +53,7 @@ impl ExactOnMesh {
     pub(super) fn densities_at<const D: usize>(&self, t: f64) -> Result<Densities, LoadError> {
         let (space, fields) = (&*self.space, self.at(t));
         let mesh = &space.mesh;
-        let (points, mut memory) = (&self.force_points, Vec::new());
+        let points = &self.force_points;
         let count = points.rule.weights.len();
         let mut body = vec![0.0; D * count * mesh.cell_count()];
         let (names, at) = (vector_names("f0", D), (t, fields.zeta));
@@ -69,16 +70,14 @@ impl ExactOnMesh {
         let side = side.map_or_else(|| Rule::barycentre(D - 1), |group| group.points.rule.clone());
         let count = side.weights.len();
         let mut traction = vec![0.0; D * count * mesh.facet_side.len()];
-        let (program, names) = fields.inside();
+        let first_stress = D + self.exact.strain.len();
         for group in self.traction.iter().chain(&self.contact) {
-            group.strains.each_block(mesh, program, (t, 0.0), &names, |facets, values| {
+            fields.each_block(&group.strains, |facets, values| {
                 for (local, index) in facets.clone().enumerate() {
-                    let material = self.exact.material_in(group.regions[index]);
                     let first = D * count * group.mesh_facets[index];
                     for (q, target) in traction[first..][..D * count].chunks_mut(D).enumerate() {
                         let p = facets.len() * q + local;
-                        let strain = self.exact.tensors(|k| values[k][p], &mut memory);
-                        let sigma: Tensor<D> = stress(material, &strain, &memory, fields.kappa);
+                        let sigma: Tensor<D> = full(|k| values[first_stress + k][p]);
                         for (f, row) in target.iter_mut().zip(&sigma) {
                             *f += row.iter().zip(&group.normal).map(|(s, n)| s * n).sum::<f64>();
                         }

@@ -3,7 +3,6 @@
 use super::plain::by_definition;
 use super::{EvaluationPoint, Graph, Node, Variable, assert_close, everything, node, value};
 use crate::Program;
-use crate::graph::Op;
 
 fn check(text: &str, tolerance: f64, exact: impl Fn(f64, f64) -> f64) {
     let mut graph = Graph::new();
@@ -117,7 +116,7 @@ fn nested_relaxation() {
 
 fn integrals(graph: &Graph, f: Node) -> Vec<Node> {
     let all = graph.reachable(&[f], |_| true);
-    let hereditary = |n: &Node| matches!(graph.op(*n), Op::Relax(..) | Op::Convolve(..));
+    let hereditary = |n: &Node| graph.op(*n).is_integral();
     all.into_iter().filter(hereditary).collect()
 }
 
@@ -205,6 +204,21 @@ fn convolution_with_a_root_at_zero_lag() {
                 assert_close(out[0][0], exact, 1e-12, &format!("{power} {text} at {t}"));
             }
         }
+    }
+}
+
+/// A kernel and a displacement that are both singular: ∫_0^t (t-s)^-0.4 s^0.6 ds = B(0.6, 1.6) t^1.2.
+#[test]
+fn powers_at_both_ends_are_integrated_to_rounding() {
+    let mut graph = Graph::new();
+    let [kernel, f] = ["t^(-0.4)", "t^0.6"].map(|text| node(&mut graph, &everything(), text));
+    let past = graph.convolve(kernel, f);
+    let mut bound = Program::compile(&graph, &[past], 1.0).bind(&[[0.5; 3]]);
+    // Γ(0.6) Γ(1.6)/Γ(2.2).
+    let beta = 1.489_192_248_812_817 * 0.893_515_349_287_690_3 / 1.101_802_490_879_712_8;
+    for t in [1e-3, 0.25, 0.25 + 1e-7, 0.3337, 1.0] {
+        let exact = beta * f64::powf(t, 1.2);
+        assert_close(bound.values_at(t, 0.0)[0][0], exact, 2e-15, &format!("at {t}"));
     }
 }
 

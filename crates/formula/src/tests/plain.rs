@@ -1,9 +1,9 @@
 //! The plain definition of an expression, independent of tapes and their integrals so that the two check each other.
 
 use crate::graph::{Graph, Node, Op, Variable};
+use crate::program::EvaluationPoint;
 use crate::quadrature::GAUSS;
-use crate::scalar::{EvaluationPoint, Scratch};
-use crate::vocabulary::class;
+use crate::vocabulary::power;
 
 const PANELS: usize = 32;
 const WATCHES: usize = 6;
@@ -82,6 +82,65 @@ fn change(sign: &mut impl FnMut(f64) -> i8, mut low: f64, mut high: f64) -> Opti
             low = middle;
         } else {
             high = middle;
+        }
+    }
+}
+
+/// The sign as a number: equal classes mean the same branch.
+fn class(guard: f64) -> i8 {
+    i8::from(guard > 0.0) - i8::from(guard < 0.0)
+}
+
+/// The values of an expression and its parts, with hereditary integrals by `integral`.
+struct Scratch<'a, F> {
+    graph: &'a Graph,
+    integral: F,
+    order: Vec<Node>,
+    values: rustc_hash::FxHashMap<Node, f64>,
+}
+
+impl<'a, F: Fn(Node, &EvaluationPoint) -> f64> Scratch<'a, F> {
+    fn new(graph: &'a Graph, f: Node, integral: F) -> Self {
+        let order = graph.reachable(&[f], |n| !graph.op(n).is_integral());
+        let values = order.iter().map(|&n| (n, f64::NAN)).collect();
+        Self { graph, integral, order, values }
+    }
+
+    fn value(&mut self, f: Node, at: &EvaluationPoint) -> f64 {
+        for k in 0..self.order.len() {
+            let node = self.order[k];
+            let value = self.one_value(node, at);
+            self.values.insert(node, value);
+        }
+        self.of(f)
+    }
+
+    fn of(&self, n: Node) -> f64 {
+        self.values.get(&n).copied().unwrap_or(f64::NAN)
+    }
+
+    fn one_value(&self, node: Node, at: &EvaluationPoint) -> f64 {
+        match self.graph.op(node) {
+            Op::Constant(bits) => f64::from_bits(bits),
+            Op::Variable(v) => [at.x, at.y, at.z, at.t, at.zeta][v as usize],
+            Op::Neg(a) => -self.of(a),
+            Op::Add(a, b) => self.of(a) + self.of(b),
+            Op::Sub(a, b) => self.of(a) - self.of(b),
+            Op::Mul(a, b) => self.of(a) * self.of(b),
+            Op::Div(a, b) => self.of(a) / self.of(b),
+            Op::Power(a, n) => power(self.of(a), n),
+            Op::Pow(a, b) => self.of(a).powf(self.of(b)),
+            Op::Apply(function, a) => function.value(self.of(a)),
+            Op::Max(a, b) => self.of(a).max(self.of(b)),
+            Op::Min(a, b) => self.of(a).min(self.of(b)),
+            Op::Less([a, b, p, q]) => {
+                if self.of(a) < self.of(b) {
+                    self.of(p)
+                } else {
+                    self.of(q)
+                }
+            }
+            Op::Relax(..) | Op::Convolve(..) => (self.integral)(node, at),
         }
     }
 }
