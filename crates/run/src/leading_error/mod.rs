@@ -25,7 +25,7 @@ mod interpolation;
 mod sums;
 
 pub use error::NoConstant;
-pub use interpolation::{InterpolationError, interpolation_constant};
+pub use interpolation::InterpolationError;
 /// A case of a scene whose errors are predicted.
 pub use judge::verdict::MeshAndSteps as Case;
 
