@@ -281,6 +281,11 @@ impl TraceConstants {
     }
 }
 
+/// The constants of a scene with how each was obtained, without those of a mesh.
+pub fn table_of_body(setup: &Setup, c: &Constants) -> Vec<Constant> {
+    table(setup, c, c.m0, None)
+}
+
 /// `c` are the constants of the problem, `m0_on_mesh` that of the discrete one.
 pub(super) fn table(
     setup: &Setup,
