@@ -27,48 +27,80 @@ pub(super) fn along_the_interpolant(setup: &Setup, h: f64) -> f64 {
     (SUPERCLOSE * h / length).min(COARSEST)
 }
 
-/// ‖ε(u(t) - I_h u(t))‖ on one mesh.
-pub struct InterpolationError<'a> {
-    space: &'a Discretization,
+/// ‖ε(u(t) - I_h u(t))‖ on one mesh, or ‖σ(u(t)) - σ(I_h u(t))‖.
+///
+/// I_h u is superclose to u_h, so σ_h is the stress of I_h u with its memory, up to higher orders. Both stresses use ζ of u: with
+/// f = ε(u)/‖ε(u)‖, integration by parts gives (f, ε(u - I_h u)) = O(h²).
+pub struct InterpolationError {
+    exact: Arc<Exact>,
+    space: Arc<Discretization>,
     /// u at the nodes.
     nodal: BoundProgram,
-    /// ε(u) at the points of the cells.
-    strain: BoundProgram,
+    strains: NodalStrain,
+    /// ε(u) at the points of the cells; for stresses with its histories.
+    fields: BoundProgram,
     rule: Rule,
-    of_interpolant: NodalStrain,
+    /// For stresses: the histories of I_h u, and the region of each cell.
+    of_stress: Option<(InterpolatedOnMesh, Vec<usize>)>,
 }
 
-impl<'a> InterpolationError<'a> {
+impl InterpolationError {
     /// Binds u to the nodes of a mesh, ε(u) to the points of a rule of degree 4 or 5 per cell: the squared strain error
     /// of linear interpolation has degree 2 for a quadratic, that of quadratic interpolation degree 4 for a cubic.
-    pub fn new(exact: &Exact, space: &'a Arc<Discretization>) -> Self {
-        let (graph, horizon) = (exact.data.graph.clone(), exact.data.horizon);
+    pub fn new(exact: &Arc<Exact>, space: &Arc<Discretization>, of_stress: bool) -> Self {
+        let (exact, space) = (exact.clone(), space.clone());
+        let (graph, horizon) = (&exact.data.graph, exact.data.horizon);
         let rule = space.element.square_rule(space.mesh.dimension + 1);
-        let u = Program::compile(&graph, &exact.data.u, horizon);
-        let strain = Program::compile(&graph, &exact.strain, horizon);
-        let of_interpolant = NodalStrain::new(space.clone(), &rule);
-        let strain = strain.bind(&points_of_cells(&space.mesh, &rule));
-        Self { space, nodal: u.bind(&points_of_nodes(space)), strain, rule, of_interpolant }
+        let points = points_of_cells(&space.mesh, &rule);
+        let fields = match of_stress {
+            true => exact.interior.bind(&points),
+            false => Program::compile(graph, &exact.strain, horizon).bind(&points),
+        };
+        let nodal = Program::compile(graph, &exact.data.u, horizon).bind(&points_of_nodes(&space));
+        let strains = NodalStrain::new(space.clone(), &rule);
+        let of_stress = of_stress.then(|| {
+            // The rule affects loads only.
+            let rule = ComplianceRule::Vertex;
+            let interpolant = InterpolatedOnMesh::new(exact.clone(), space.clone(), rule);
+            (interpolant, exact.cell_regions(&space.mesh))
+        });
+        Self { nodal, strains, fields, rule, of_stress, exact, space }
     }
 
     /// The error at time t.
-    pub fn at(&mut self, t: f64) -> f64 {
+    ///
+    /// # Errors
+    /// A formula that is not finite at a vertex.
+    pub fn at(&mut self, t: f64) -> Result<f64, LoadError> {
         in_dimension!(self.space.mesh.dimension, D => self.at_in::<D>(t))
     }
 
-    fn at_in<const D: usize>(&mut self, t: f64) -> f64 {
-        let nodal = nodal(&mut self.nodal, self.space, t);
-        let mut strain = vec![Vec::new(); D * (D + 1) / 2];
-        self.strain.evaluate(t, 0.0, &mut strain);
-        let mut sum = 0.0;
+    fn at_in<const D: usize>(&mut self, t: f64) -> Result<f64, LoadError> {
+        let (u, histories) = match &self.of_stress {
+            None => (nodal(&mut self.nodal, &self.space, t), Vec::new()),
+            Some((interpolant, _)) => interpolant.displacements(t)?,
+        };
+        let fields = self.fields.values_at(t, 0.0);
+        let kappa = if self.of_stress.is_some() { self.exact.kappa(t) } else { f64::NAN };
+        let (mut sum, mut remembered): (f64, Vec<Tensor<D>>) = (0.0, Vec::new());
         for (c, measure) in self.space.geometry.measure.iter().enumerate() {
             for (q, weight) in self.rule.weights.iter().enumerate() {
                 let p = c * self.rule.weights.len() + q;
-                let interpolant: Tensor<D> = self.of_interpolant.at(&nodal, c, q);
-                sum += weight * measure * square_apart(&full(|k| strain[k][p]), &interpolant);
+                let strain = |nodal: &Vec<f64>| -> Tensor<D> { self.strains.at(nodal, c, q) };
+                let square = match &self.of_stress {
+                    None => square_apart(&full(|k| fields[k][p]), &strain(&u)),
+                    Some((_, regions)) => {
+                        let material = self.exact.material_in(regions[c]);
+                        let memory: Vec<Tensor<D>> = histories.iter().map(strain).collect();
+                        let present = self.exact.tensors(|k| fields[k][p], &mut remembered);
+                        let of_exact = stress(material, &present, &remembered, kappa);
+                        square_apart(&of_exact, &stress(material, &strain(&u), &memory, kappa))
+                    }
+                };
+                sum += weight * measure * square;
             }
         }
-        sum.sqrt()
+        Ok(sum.sqrt())
     }
 }
 
@@ -99,17 +131,9 @@ pub(super) fn over_cases(
             false => worst.iter().take(TRIED).map(|&(t, _)| t).collect(),
         };
         let space = setup.space(n).map_err(|error| NoConstant::Setup(error.to_string()))?;
-        worst = match of_stress {
-            true => {
-                let mut stress = StressInterpolationError::new(exact.clone(), space.clone());
-                let at = |&t: &f64| Ok((t, stress.at(t)?));
-                tried.iter().map(at).collect::<Result<_, LoadError>>()?
-            }
-            false => {
-                let mut strain = InterpolationError::new(exact, &space);
-                tried.iter().map(|&t| (t, strain.at(t))).collect()
-            }
-        };
+        let mut error = InterpolationError::new(exact, &space, of_stress);
+        let at = |&t: &f64| Ok((t, error.at(t)?));
+        worst = tried.iter().map(at).collect::<Result<_, LoadError>>()?;
         // NaN sorts first and is kept.
         worst.sort_by(|a, b| b.1.total_cmp(&a.1));
         let Some(&(_, error)) = worst.first() else { continue };
@@ -132,65 +156,4 @@ pub(super) fn over_cases(
 fn limit([(h, e), (finer, f)]: [(f64, f64); 2], p: i32) -> Option<f64> {
     let (coarse, fine) = (e / h.powi(p), f / finer.powi(p));
     Some((h * fine - finer * coarse) / (h - finer)).filter(|limit| limit.is_finite())
-}
-
-// The space error of the stress: ‖σ(u) - σ(I_h u)‖ on a mesh.  I_h u is superclose to u_h, so σ_h is the stress of
-// I_h u with its memory, up to higher orders. Both use ζ of u: with f = ε(u)/‖ε(u)‖, integration by parts gives (f,
-// ε(u - I_h u)) = O(h²).
-
-/// ‖σ(u(t)) - σ(I_h u(t))‖ on one mesh.
-pub(crate) struct StressInterpolationError {
-    exact: Arc<Exact>,
-    space: Arc<Discretization>,
-    /// I_h u and its histories.
-    interpolant: InterpolatedOnMesh,
-    strains: NodalStrain,
-    /// ε(u) and its histories at the points of the cells.
-    fields: BoundProgram,
-    rule: Rule,
-    regions: Vec<usize>,
-}
-
-impl StressInterpolationError {
-    pub(crate) fn new(exact: Arc<Exact>, space: Arc<Discretization>) -> Self {
-        let (mesh, element) = (&space.mesh, space.element);
-        let rule = element.square_rule(mesh.dimension + 1);
-        let fields = exact.interior.bind(&points_of_cells(mesh, &rule));
-        let regions = exact.cell_regions(mesh);
-        let strains = NodalStrain::new(space.clone(), &element.strain_rule(mesh.dimension));
-        // The rule affects loads only.
-        let interpolant =
-            InterpolatedOnMesh::new(exact.clone(), space.clone(), ComplianceRule::Vertex);
-        Self { exact, space, interpolant, strains, fields, rule, regions }
-    }
-
-    /// The error at time t.
-    ///
-    /// # Errors
-    /// A formula that is not finite at a vertex.
-    pub(crate) fn at(&mut self, t: f64) -> Result<f64, LoadError> {
-        in_dimension!(self.space.mesh.dimension, D => self.at_in::<D>(t))
-    }
-
-    fn at_in<const D: usize>(&mut self, t: f64) -> Result<f64, LoadError> {
-        let (u, histories) = self.interpolant.displacements(t)?;
-        let mut out = vec![Vec::new(); D + self.exact.strain.len() + self.exact.memory.len()];
-        self.fields.evaluate(t, 0.0, &mut out);
-        let kappa = self.exact.kappa(t);
-        let (mut sum, mut remembered): (f64, Vec<Tensor<D>>) = (0.0, Vec::new());
-        for c in 0..self.space.mesh.cell_count() {
-            let material = self.exact.material_in(self.regions[c]);
-            let of_cell = |nodal: &Vec<f64>| -> Tensor<D> { self.strains.at(nodal, c, 0) };
-            let memory: Vec<Tensor<D>> = histories.iter().map(of_cell).collect();
-            let of_interpolant = stress(material, &of_cell(&u), &memory, kappa);
-            for (q, weight) in self.rule.weights.iter().enumerate() {
-                let p = c * self.rule.weights.len() + q;
-                let present: Tensor<D> = self.exact.tensors(|k| out[k][p], &mut remembered);
-                let of_exact = stress(material, &present, &remembered, kappa);
-                let square = square_apart(&of_exact, &of_interpolant);
-                sum += weight * self.space.geometry.measure[c] * square;
-            }
-        }
-        Ok(sum.sqrt())
-    }
 }
