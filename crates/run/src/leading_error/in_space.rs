@@ -358,14 +358,13 @@ pub(super) struct Level<const S: usize> {
     pub(super) pressure: Vec<f64>,
 }
 
+/// The norms with a leading error in time.
+const NORMS: [Norm; 5] =
+    [Norm::VMax, Norm::L2Max, Norm::StressL2Max, Norm::TraceL2Max, Norm::PressureL2Max];
+
+/// The largest errors in these norms.
 #[derive(Debug, Clone, Copy, Default)]
-pub(super) struct Largest {
-    v: f64,
-    l2: f64,
-    stress: f64,
-    trace: f64,
-    pressure: f64,
-}
+pub(super) struct Largest([f64; 5]);
 
 impl Largest {
     /// Includes a level; NaN is kept.
@@ -373,27 +372,20 @@ impl Largest {
         let of_cells = |field: &[Mandel<S>]| inner(space, field, field).sqrt();
         let trace: Vec<f64> =
             (0..space.trace.points.len()).map(|i| normal(space, i, &level.error)).collect();
-        for (known, value) in [
-            (&mut self.v, of_cells(&level.strain)),
-            (&mut self.l2, in_the_body(space, &level.error)),
-            (&mut self.stress, of_cells(&level.stress)),
-            (&mut self.trace, on_the_contact_side(space, &trace)),
-            (&mut self.pressure, on_the_contact_side(space, &level.pressure)),
-        ] {
-            *known = larger(*known, value);
-        }
+        let values = [
+            of_cells(&level.strain),
+            in_the_body(space, &level.error),
+            of_cells(&level.stress),
+            on_the_contact_side(space, &trace),
+            on_the_contact_side(space, &level.pressure),
+        ];
+        self.0.iter_mut().zip(values).for_each(|(known, value)| *known = larger(*known, value));
     }
 
     /// None for norms without a leading error in time.
     pub(super) fn of(&self, norm: Norm) -> Option<f64> {
-        match norm {
-            Norm::VMax | Norm::VTimeMax => Some(self.v),
-            Norm::L2Max => Some(self.l2),
-            Norm::StressL2Max => Some(self.stress),
-            Norm::TraceL2Max => Some(self.trace),
-            Norm::PressureL2Max => Some(self.pressure),
-            _ => None,
-        }
+        let norm = if norm == Norm::VTimeMax { Norm::VMax } else { norm };
+        NORMS.iter().position(|known| *known == norm).map(|at| self.0[at])
     }
 }
 
