@@ -32,7 +32,16 @@ pub(super) fn step_facts(bounds: &StepBounds) -> [Finding; 3] {
 pub(super) fn of_table(rows: Vec<Constant>, m0: &Finding) -> Vec<Finding> {
     let one = |row: Constant| match &*row.name {
         "m0" => m0.clone(),
-        name => fact(name, row.value, &format!("{}: {}", row.how.words(), row.note)),
+        name => {
+            // Samples are taken by `bound`, not here.
+            let how = row.how.words().split(',').next().unwrap_or_default();
+            let how = match &*row.note {
+                "" => how.to_owned(),
+                note if note.starts_with(how) => note.to_owned(),
+                note => format!("{how}: {note}"),
+            };
+            fact(name, row.value, &how)
+        }
     };
     rows.into_iter().map(one).collect()
 }
@@ -45,7 +54,7 @@ pub(crate) fn findings(setup: &AbstractSetup) -> Vec<Finding> {
     let mut findings = of_table(table_of_finite(c, &setup.model), &m0);
     if c.power > 0.0 {
         let note = format!("the same of b in kernels (t-s)^-{} b", c.power);
-        findings.push(fact("|b|", c.b_norm, &note));
+        findings.push(fact("|b|", c.singular.all, &note));
     }
     findings.extend(step_facts(&c.step_bounds(setup.model.time_rule.as_ref())));
     findings.extend(abstract_regularity(&setup.scene, &setup.problem));
