@@ -43,9 +43,11 @@ impl YieldSlope {
             ZetaFrom::Exact => format!(
                 "proved for zeta <= {zeta}, twice the zeta of the exact solution; a run beyond fails"
             ),
-            ZetaFrom::Loads => format!(
-                "proved for zeta <= {zeta}, twice the zeta of a coarse run; a run beyond fails"
-            ),
+            ZetaFrom::Loads => {
+                format!(
+                    "proved for zeta <= {zeta}, twice the zeta of a coarse run; a run beyond fails"
+                )
+            }
         }
     }
 }
