@@ -9,7 +9,7 @@ use super::{CliError, print_json, print_text};
 use exact::{Finding, Status};
 use files::digits;
 use scene::setup::{AbstractSetup, abstract_regularity};
-use studies::theory::bound::sampled::table_of_finite;
+use studies::theory::bound::sampled::{Constant, table_of_finite};
 use vhi::{StepBounds, StepSolver};
 
 /// A number of a scene, and where it comes from.
@@ -28,18 +28,33 @@ pub(super) fn step_facts(bounds: &StepBounds) -> [Finding; 3] {
     ]
 }
 
+/// The constants of a table as findings, m0 as it is given.
+pub(super) fn of_table(rows: Vec<Constant>, m0: &Finding) -> Vec<Finding> {
+    let one = |row: Constant| match &*row.name {
+        "m0" => m0.clone(),
+        name => {
+            // Samples are taken by `bound`, not here.
+            let how = row.how.words().split(',').next().unwrap_or_default();
+            let how = match &*row.note {
+                "" => how.to_owned(),
+                note if note.starts_with(how) => note.to_owned(),
+                note => format!("{how}: {note}"),
+            };
+            fact(name, row.value, &how)
+        }
+    };
+    rows.into_iter().map(one).collect()
+}
+
 /// Hypotheses of the abstract theory with their constants.
 pub(crate) fn findings(setup: &AbstractSetup) -> Vec<Finding> {
     let c = &setup.constants;
     let status = if c.m0 > 0.0 { Status::Verified } else { Status::Weak };
-    let constants = table_of_finite(c, &setup.model).into_iter().map(|row| match &*row.name {
-        "m0" => Finding::new("m0 > 0 (2.9)", status, c.m0, format!("m0 = {}", digits(c.m0, 7))),
-        name => fact(name, row.value, &format!("{}: {}", row.how.words(), row.note)),
-    });
-    let mut findings: Vec<Finding> = constants.collect();
+    let m0 = Finding::new("m0 > 0 (2.9)", status, c.m0, format!("m0 = {}", digits(c.m0, 7)));
+    let mut findings = of_table(table_of_finite(c, &setup.model), &m0);
     if c.power > 0.0 {
         let note = format!("the same of b in kernels (t-s)^-{} b", c.power);
-        findings.push(fact("|b|", c.b_norm, &note));
+        findings.push(fact("|b|", c.singular.all, &note));
     }
     findings.extend(step_facts(&c.step_bounds(setup.model.time_rule.as_ref())));
     findings.extend(abstract_regularity(&setup.scene, &setup.problem));

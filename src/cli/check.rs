@@ -4,7 +4,7 @@
 use std::cmp::Reverse;
 use std::collections::BTreeSet;
 
-use super::abstract_problem::{fact, step_facts};
+use super::abstract_problem::{fact, of_table, step_facts};
 use super::list::{terms, truth};
 use super::machine::Common;
 use super::scenes::Grid;
@@ -25,6 +25,7 @@ use run::sweep::{
 use scene::setup::{Constants, Setup, Smallness, Subject, constants, sides};
 use scene::{Data, Hypothesis, Prediction, RelaxationTerm, Scene};
 use serde_json::Value;
+use studies::theory::bound::sampled::table_of_body;
 use studies::theory::corner::{Corner, corners};
 use vhi::history::FastConvolution;
 use vhi::law::INTERPOLATED_TO;
@@ -366,16 +367,6 @@ fn strong_form_is_no_measure(finding: &mut Finding) {
     }
 }
 
-fn alpha_nu_from(setup: &Setup) -> &'static str {
-    match setup.body.laws().any(|law| law.scale.is_some()) {
-        _ if setup.body.contact.len() > 1 => {
-            "proved: steepest descent of all laws, times their factors' maxima"
-        }
-        true => "proved: steepest descent of the law, times its factor's maximum",
-        false => "proved: steepest descent of the law",
-    }
-}
-
 /// Shape of the cells on the coarsest mesh of the sweep.
 fn mesh_quality(setup: &Setup) -> Finding {
     let n = setup.scene.sweep.as_ref().and_then(|sweep| sweep.n.iter().min().copied()).unwrap_or(4);
@@ -411,54 +402,25 @@ fn interfaces(setup: &Setup) -> Option<Finding> {
     Some(Finding::new("mesh lines on interfaces", status, value, text))
 }
 
-/// Constants of the trace, and how friction changes them.
-fn trace_findings(setup: &Setup, c: &Constants) -> Vec<Finding> {
-    let mut findings = Vec::new();
+/// Constants of the trace in their ranges, and their proved bounds.
+fn trace_findings(c: &Constants) -> Vec<Finding> {
+    let limits = [
+        ("c_j^2", c.c_j_squared, c.c_j_range),
+        ("c_nu^2", c.c_nu_squared, c.c_nu_range),
+        ("c_tau^2", c.c_tau_squared, c.c_tau_range),
+    ];
+    let bounds = [("c_j^2", c.c_j_squared_bound), ("c_nu^2", c.c_nu_squared_bound)];
     // The value beside its range: the same that `bound` prints.
-    let known = |[least, most]: [f64; 2]| {
-        format!("limit of meshes, between {} and {}; no bound", digits(least, 7), digits(most, 7))
+    let known = |(name, value, range): (&str, f64, [f64; 2])| {
+        let [least, most] = range.map(|end| digits(end, 7));
+        fact(name, value, &format!("limit of meshes, between {least} and {most}; no bound"))
     };
-    if c.c_j_squared > 0.0 {
-        findings.push(fact("c_j^2", c.c_j_squared, &known(c.c_j_range)));
-    }
-    if setup.body.contact.len() > 1 {
-        for contact in &setup.body.contact {
-            let names: Vec<&str> =
-                contact.sides.iter().map(|&side| setup.body.domain.name(side)).collect();
-            let name = format!("alpha_nu on {}", names.join(", "));
-            findings.push(fact(
-                &name,
-                contact.alpha(),
-                "proved: steepest descent of the law there",
-            ));
-        }
-        let how = format!("(alpha_i/alpha_nu) |v_nu|^2 over the sides: {}", known(c.c_nu_range));
-        findings.push(fact("c_nu^2", c.c_nu_squared, &how));
-        if let Some(bound) = c.c_nu_squared_bound {
-            findings.push(fact(
-                "c_nu^2, upper bound",
-                bound,
-                "proved: distance to the clamped side",
-            ));
-        }
-    }
-    if let Some(bound) = c.c_j_squared_bound {
-        findings.push(fact("c_j^2, upper bound", bound, "proved: distance to the clamped side"));
-    }
-    if setup.model.friction.is_some() {
-        let how = "proved: steepest descent of the friction bound";
-        findings.push(fact("alpha_tau", c.alpha_tau, how));
-        findings.push(fact("c_tau^2", c.c_tau_squared, &known(c.c_tau_range)));
-        if let Some(coulomb) = &c.coulomb {
-            let [a, b] = coulomb.coefficients(c.alpha_nu, c.c_j_squared, c.c_tau_squared);
-            findings.push(fact("A", a, "of |v_nu|^2 in (2.9): friction follows the normal law"));
-            findings.push(fact("B", b, "of |v_tau|^2 in (2.9)"));
-            let printed = c.m_elastic - c.concave_as_printed();
-            let how = "m_A - alpha_phi - alpha_nu c_j^2, less sharp than with A and B";
-            findings.push(fact("m0 by alpha_phi", printed, how));
-        }
-    }
-    findings
+    let proved = |(name, bound): (&str, Option<f64>)| {
+        let name = format!("{name}, upper bound");
+        Some(fact(&name, bound?, "proved: distance to the clamped side"))
+    };
+    let limits = limits.into_iter().filter(|(_, value, _)| *value > 0.0).map(known);
+    limits.chain(bounds.into_iter().filter_map(proved)).collect()
 }
 
 /// (2.9), for all c_j² and c_τ² in their ranges.
@@ -484,35 +446,20 @@ fn smallness(c: &Constants) -> Finding {
 /// Constants of the paper, with their origin.
 fn hypotheses(setup: &Setup, c: &Constants) -> Vec<Finding> {
     let mut findings = vec![mesh_quality(setup)];
-    // Of all of φ, including friction that follows the normal law.
-    let alpha_phi = match c.coulomb {
-        None => "proved: mu",
-        Some(_) => "mu + mu_f L_p c_j c_tau with these c_j, c_tau",
-    };
-    findings.extend([
-        fact("m_A, elastic part", c.m_elastic, "smallest eigenvalue of the elasticity tensor"),
-        fact("m_A", c.m_a, "proved: elastic part + mu"),
-        fact("L_A", c.l_a, "proved: largest eigenvalue + mu"),
-        fact("alpha_phi", c.alpha_phi_as_printed(), alpha_phi),
-        fact("alpha_nu", c.alpha_nu, alpha_nu_from(setup)),
-    ]);
-    findings.extend(trace_findings(setup, c));
-    findings.push(smallness(c));
-    findings.push(fact("beta_phi", c.beta_phi, "proved: max(mu L_kappa sqrt|Omega|, 1)"));
-    findings.push(fact("|B|", c.memory.operator, "proved: operator norm on [0, T]"));
+    findings.extend(of_table(table_of_body(setup, c), &smallness(c)));
+    findings.extend(trace_findings(c));
+    if let Some(coulomb) = &c.coulomb {
+        let [a, b] = coulomb.coefficients(c.alpha_nu, c.c_j_squared, c.c_tau_squared);
+        findings.push(fact("A", a, "of |v_nu|^2 in (2.9): friction follows the normal law"));
+        findings.push(fact("B", b, "of |v_tau|^2 in (2.9)"));
+    }
+    let (power, singular) = c.singular;
     if c.is_nested() {
-        findings.push(fact(
-            "|q||r|",
-            c.singular.1.operator,
-            "of histories of histories: S has |B| + T |q||r|",
-        ));
-    }
-    if c.singular.0 > 0.0 {
-        let note = format!("the same of C in the terms t^-{} C", c.singular.0);
-        findings.push(fact("|C|", c.singular.1.operator, &note));
-    }
-    if setup.body.material.projection.is_some() {
-        findings.push(fact("L_kappa", c.lipschitz_kappa, &setup.kappa.how()));
+        let note = "of histories of histories: S has |B| + T |q||r|";
+        findings.push(fact("|q||r|", singular.operator, note));
+    } else if power > 0.0 {
+        let note = format!("the same of C in the terms t^-{power} C");
+        findings.push(fact("|C|", singular.operator, &note));
     }
     findings.extend(step_facts(&c.step_bounds(setup.model.time_rule.as_ref())));
     findings

@@ -8,9 +8,7 @@ use fem::contact::MemoryTerm;
 use judge::record::{CaseRecord, Key};
 use judge::verdict::{Decision, FittedConstant, Foreseen, Verdict};
 use nalgebra::DVector;
-use run::leading_error::{
-    Case, InTime, InterpolationError, MeasuredNorm, interpolation_constant, leading_errors,
-};
+use run::leading_error::{Case, InTime, InterpolationError, MeasuredNorm, leading_errors};
 use run::sweep::{CasePlan, foresee, judge_scene, run_abstract_case, run_contact_case};
 use scene::setup::{AbstractSetup, Setup, Subject};
 use scene::{Direction, Norm, Scene, Source};
@@ -321,20 +319,21 @@ fn the_leading_truncation_gives_the_same_constant() {
     assert!((predicted / largest - 1.0).abs() < 1e-3, "{predicted} {largest}");
 }
 
-/// u of a plane scene, its interpolation error over h and the limit of that.
+/// By hand for u = (t y²/2 + const, 0): on a triangle of legs h, ∂_y(q - Iq) = t (y - ȳ) with ȳ the middle of the leg, whose
+/// square has the mean t² h²/12, and the shear is half of it, twice in |ε|².
 #[test]
-fn interpolation_errors_tend_to_the_integral_of_second_derivatives() {
-    let setup = setup("viscoelastic");
+fn interpolation_errors_of_a_quadratic_are_those_by_hand() {
+    let text = text("viscoelastic");
+    let line = text.lines().find(|line| line.starts_with("u = ")).expect("a solution");
+    let setup = setup_of(edited(&text, line, "u = [\"0.5*t*(y^2 - 1)\", \"0\"]"));
     let exact = setup.exact.as_ref().expect("an exact solution");
-    let limit = interpolation_constant(exact, &[1.0, 1.0], 0.7);
-    let off = |n: u32| {
+    for n in [4, 9] {
         let space = setup.space(n).expect("a mesh");
-        InterpolationError::new(exact, &space).at(0.7) * f64::from(n) / limit - 1.0
-    };
-    let (coarse, fine) = (off(16), off(32));
-    println!("interpolation: {coarse:.2e} off the limit at n = 16, {fine:.2e} at n = 32");
-    // u is smooth: h² relative to the limit.
-    assert!(fine.abs() < 2e-3 && (coarse / fine - 4.0).abs() < 0.4, "{coarse} {fine}");
+        let mut error = InterpolationError::new(exact, &space, false);
+        let (t, found) = (0.7, error.at(0.7).expect("an error"));
+        let by_hand = t / f64::from(n) / 24f64.sqrt();
+        assert!((found / by_hand - 1.0).abs() < 1e-12, "{n}: {found} {by_hand}");
+    }
 }
 
 /// Quadratic elements have the error in time of their V^h, and its constant.

@@ -3,6 +3,7 @@
 
 use fem::contact::BoundaryRule as ContactQuadrature;
 use formula::Node;
+use serde::de::IgnoredAny;
 
 use super::domain::{Domain, Face, SAME_NORMAL, Side, place};
 use super::friction::Friction;
@@ -135,19 +136,15 @@ fn sides(reading: &Reading, (table, count): (&str, usize), domain: &Domain) -> R
     if !reading.has(&key) && count == 1 {
         return Ok(domain.contact.clone());
     }
-    let names: Vec<String> = reading.required(&key)?;
-    let message = "an empty list of sides";
+    let empty = reading.required::<Vec<IgnoredAny>>(&key)?.is_empty();
     let hint = "name contact sides: sides = [\"bottom\"]";
-    reading.refuse_if(names.is_empty(), &key, message, hint)?;
-    let known = domain.known();
-    let mut sides = Vec::new();
-    for (index, name) in names.iter().enumerate() {
-        let key = format!("{key}.{index}");
-        let side = reading.named(&key, name, &known)?;
-        let message = format!("`{name}` is not a contact side");
+    reading.refuse_if(empty, &key, "an empty list of sides", hint)?;
+    let sides = domain.listed(reading, &key)?;
+    for (index, side) in sides.iter().enumerate() {
+        let message = format!("`{}` is not a contact side", domain.name(*side));
         let hint = "list it in contact = [...] of [domain], or remove it here";
-        reading.refuse_if(!domain.contact.contains(&side), &key, message, hint)?;
-        sides.push(side);
+        let other = !domain.contact.contains(side);
+        reading.refuse_if(other, &format!("{key}.{index}"), message, hint)?;
     }
     Ok(sides)
 }

@@ -246,7 +246,8 @@ impl Domain {
         top.or(self.sides.first()).map_or("top", String::as_str)
     }
 
-    fn listed(&self, reading: &Reading, key: &str) -> Result<Vec<Side>> {
+    /// The sides that a list names.
+    pub(super) fn listed(&self, reading: &Reading, key: &str) -> Result<Vec<Side>> {
         let one = |index| {
             let key = format!("{key}.{index}");
             let name = reading.required::<String>(&key)?;

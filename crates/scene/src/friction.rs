@@ -6,14 +6,12 @@ use fem::contact::BoundaryRule as ContactQuadrature;
 use formula::{EvaluationPoint, Node};
 
 use super::domain::{Domain, Face, SAME_NORMAL, place};
+use super::gap::{TIMES, on_contact};
 use super::law::Law;
-use super::reading::{Reading, in_time, join};
+use super::reading::{Reading, join};
 use super::source::Result;
 use super::time::Time;
 
-/// Intervals of a side in the plane and in space, and of [0, T], at whose ends the bound is examined.
-const SAMPLES: [u32; 2] = [256, 24];
-const TIMES: u32 = 32;
 /// Kinds of a bound with their keys.
 pub(super) const BOUNDS: [(&str, &str); 2] = [("slip", "points"), ("coulomb", "coefficient")];
 
@@ -64,20 +62,11 @@ impl Friction {
 
 /// S(x, t), finite and nonnegative at the samples.
 fn given(reading: &mut Reading, key: &str, domain: &Domain, time: &Time) -> Result<FrictionBound> {
-    let d = domain.dimension();
-    let scope = reading.space_and_time(d);
+    let scope = reading.space_and_time(domain.dimension());
     let node = reading.formula(key, &scope)?;
-    for &side in &domain.contact {
-        let places = domain.points_on(side, SAMPLES[d - 2]);
-        let points = in_time(&places, time.horizon, TIMES);
-        let fits = |bound: f64| bound.is_finite() && bound >= 0.0;
-        reading.everywhere((key, node), points, fits, |at, value| {
-            let (here, side) = (place(at, d), domain.name(side));
-            let message = format!("`bound` is {value} at {here}, t = {} on the side {side}", at.t);
-            let hint = "the bound of the friction stress must be finite and not negative on every contact side and on [0, T]";
-            (message, hint)
-        })?;
-    }
+    let fits = |bound: f64| bound.is_finite() && bound >= 0.0;
+    let hint = "the bound of the friction stress must be finite and not negative on every contact side and on [0, T]";
+    on_contact(reading, (key, node), domain, (time.horizon, TIMES), fits, hint)?;
     Ok(FrictionBound::Given(node))
 }
 

@@ -16,8 +16,8 @@ use files::digits;
 const SAMPLES: u32 = 256;
 /// Samples along each edge of a face in space.
 const SAMPLES_OF_A_FACE: u32 = 32;
-/// Intervals of [0, T] at whose ends a gap that moves is examined.
-const TIMES: u32 = 32;
+/// Intervals of [0, T] at whose ends a function that moves is examined.
+pub(super) const TIMES: u32 = 32;
 /// Smaller second differences, relative to the gap, are rounding.
 const ROUNDING: f64 = 1e-12;
 
@@ -29,24 +29,28 @@ pub(super) fn finite_on_contact(
     let dimension = domain.dimension();
     let scope = reading.scope(&AXES[..dimension]);
     let node = reading.formula(key, &scope)?;
-    finite(reading, (key, node), domain, (0.0, 0))?;
+    on_contact(reading, (key, node), domain, (0.0, 0), f64::is_finite, FINITE)?;
     Ok(node)
 }
 
-/// Refuses a function that is not finite on a contact side, at the ends of so many intervals of time.
-fn finite(
+const FINITE: &str =
+    "it must be finite on every contact side; for no constraint at all write gap = \"inf\"";
+
+/// Refuses a function that does not fit somewhere on a contact side, at the ends of so many intervals of time.
+pub(super) fn on_contact(
     reading: &Reading,
     (key, node): (&str, Node),
     domain: &Domain,
     (horizon, times): (f64, u32),
+    fits: impl Fn(f64) -> bool,
+    hint: &str,
 ) -> Result<(), SceneError> {
     for &side in &domain.contact {
         let places = domain.points_on(side, samples(domain, &domain.faces(side)));
         let points = in_time(&places, horizon, times);
-        reading.everywhere((key, node), points, f64::is_finite, |at, value| {
+        reading.everywhere((key, node), points, &fits, |at, value| {
             let (what, here, side) = (last(key), place(at, domain.dimension()), domain.name(side));
             let when = if times > 0 { format!(", t = {}", at.t) } else { String::new() };
-            let hint = "it must be finite on every contact side; for no constraint at all write gap = \"inf\"";
             (format!("`{what}` is {value} at {here}{when} on the side {side}"), hint)
         })?;
     }
@@ -66,7 +70,7 @@ pub(super) fn gap(
     let scope = reading.space_and_time(domain.dimension());
     let gap = reading.formula(key, &scope)?;
     let times = if reading.formulas.depends_on(gap, Variable::T) { TIMES } else { 0 };
-    finite(reading, (key, gap), domain, (time.horizon, times))?;
+    on_contact(reading, (key, gap), domain, (time.horizon, times), f64::is_finite, FINITE)?;
     if !reading.violates.contains(&Hypothesis::ConcaveGap) {
         for n in 0..=times {
             let t = time.horizon * f64::from(n) / f64::from(times.max(1));

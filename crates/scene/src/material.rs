@@ -84,13 +84,6 @@ impl Material {
         let mut elastic = self.regions.iter().map(|region| &region.elastic).chain([&self.elastic]);
         elastic.any(|elastic| matches!(elastic, FourthOrder::Full(_)))
     }
-
-    /// Whether one isotropic tensor and at most one term of memory describe the whole body.
-    pub fn is_plain(&self) -> bool {
-        self.regions.is_empty()
-            && self.memory.len() <= 1
-            && matches!(self.elastic, FourthOrder::Isotropic(_))
-    }
 }
 
 impl Region {

@@ -107,38 +107,34 @@ fn vanishes_where_clamped(
     u: &[f64],
 ) -> Result<(), CaseError> {
     let (d, row) = (space.mesh.dimension, space.mesh.vertices() * space.mesh.dimension);
-    let clamped = &space.nodes.vertex[space.nodes.free..];
     let largest = |most: f64, value: &f64| most.max(value.abs());
-    let size = u.iter().fold(0.0, largest);
-    let held = (0..=grid.steps()).flat_map(|n| clamped.iter().map(move |&vertex| (n, vertex)));
-    let held = held.map(|(n, vertex)| {
-        let at = n * row + vertex as usize * d;
-        (u[at..at + d].iter().fold(0.0, largest), n, vertex)
+    let most = CLAMPED_WITHIN * u.iter().fold(0.0, largest);
+    let at = |n: usize, vertex: u32| &u[n * row + vertex as usize * d..][..d];
+    let levels = || 0..=grid.steps();
+    let held = levels().flat_map(|n| {
+        let clamped = space.nodes.vertex[space.nodes.free..].iter();
+        clamped.map(move |&vertex| (at(n, vertex).iter().fold(0.0, largest), n, vertex))
     });
-    let across = |n: usize| space.supports.iter().map(move |at| (n, at));
-    let across = (0..=grid.steps()).flat_map(across).map(|(n, at)| {
-        let u = &u[n * row + at.vertex as usize * d..];
-        let along: f64 = at.normal[..d].iter().zip(u).map(|(n, u)| n * u).sum();
-        (along.abs(), n, at.vertex)
+    let across = levels().flat_map(|n| {
+        space.supports.iter().map(move |support| {
+            let along = support.normal.iter().zip(at(n, support.vertex)).map(|(n, u)| n * u);
+            (along.sum::<f64>().abs(), n, support.vertex)
+        })
     });
-    if let Some((value, n, vertex)) = across.max_by(|a, b| a.0.total_cmp(&b.0))
-        && (value.is_nan() || value > CLAMPED_WITHIN * size)
-    {
-        return Err(said(format!(
-            "the displacement along the normal is {value:e} at level {n}, vertex {vertex} of a plane of symmetry: it is \
-             0 there (symmetry.csv), here to {:.1e}, {CLAMPED_WITHIN:e} of the largest displacement",
-            CLAMPED_WITHIN * size
-        )));
-    }
-    match held.max_by(|a, b| a.0.total_cmp(&b.0)) {
-        Some((value, n, vertex)) if value > CLAMPED_WITHIN * size => Err(said(format!(
-            "the displacement is {value:e} at level {n}, vertex {vertex}, which is clamped: it is 0 there \
-             (`clamped` of vertices.csv), here to {:.1e}, {CLAMPED_WITHIN:e} of the largest displacement; errors are \
-             measured in V, whose functions vanish on Gamma1",
-            CLAMPED_WITHIN * size
-        ))),
-        _ => Ok(()),
-    }
+    let worst = |values: &mut dyn Iterator<Item = (f64, usize, u32)>| {
+        values
+            .max_by(|a, b| a.0.total_cmp(&b.0))
+            .filter(|(value, ..)| value.is_nan() || *value > most)
+    };
+    let (of, (value, n, vertex)) = match (worst(&mut { across }), worst(&mut { held })) {
+        (Some(found), _) => ("along the normal of a plane of symmetry (symmetry.csv)", found),
+        (_, Some(found)) => ("which is clamped (`clamped` of vertices.csv)", found),
+        _ => return Ok(()),
+    };
+    Err(said(format!(
+        "the displacement is {value:e} at level {n}, vertex {vertex}, {of}: it is 0 there, here to {most:.1e}, \
+         {CLAMPED_WITHIN:e} of the largest displacement; errors are measured in V, whose functions vanish on Gamma1"
+    )))
 }
 
 /// Shows every level to the measurement. Histories follow from the displacements by the scene's time rule, stresses by

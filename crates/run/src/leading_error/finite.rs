@@ -4,12 +4,12 @@ use nalgebra::{DMatrix, DVector};
 
 use super::NoConstant;
 use super::cells::{Answer, answer};
-use super::sums::{Kernel, Sums, Weights};
+use super::sums::{Kernel, Pair};
 use algebra::linalg::axpy;
-use exact::{LawNumbers, sign_changes};
-use formula::{EvaluationPoint, Graph, Node, Program, Variable};
-use scene::Norm;
+use exact::LawNumbers;
+use formula::{EvaluationPoint, Graph, Node, Variable};
 use scene::setup::AbstractSetup;
+use scene::{AbstractKernel, Norm};
 
 /// max_n ‖e_n‖_X on a grid, or of the pressures that come with it, where
 ///
@@ -27,64 +27,42 @@ pub(super) fn largest_error(
     norm: Norm,
     times: &[f64],
 ) -> Result<f64, NoConstant> {
-    let problem = Linearised::new(setup);
+    let problem = Linearised::new(setup)?;
     let m = problem.matrix.nrows();
-    let of_one = |kernel: &Kernel| {
-        let weights = Weights::of_kernel(setup.scene.time.rule, kernel.power)?;
-        Ok(Sums::new(vec![weights], std::slice::from_ref(kernel), times, m))
-    };
-    let mut sums = problem.kernels.iter().map(of_one).collect::<Result<Vec<_>, _>>()?;
-    let inner = problem.inner.iter().map(|inner| inner.as_ref().map(of_one).transpose());
-    let mut inner = inner.collect::<Result<Vec<_>, NoConstant>>()?;
-    let asked = (norm == Norm::DisplacementMax).then_some(&problem.one);
-    let mut displacement = asked.map(of_one).transpose()?;
-    let exact = |times: &[f64]| -> Vec<Vec<f64>> {
-        let places: Vec<[f64; 3]> = times.iter().map(|&s| [s, 0.0, 0.0]).collect();
-        let mut values = vec![Vec::new(); m];
-        problem.u.bind(&places).evaluate(0.0, 0.0, &mut values);
-        (0..times.len()).map(|k| values.iter().map(|list| list[k]).collect()).collect()
-    };
+    // Of earlier levels u and its error, and for nested terms v of the exact u and its error.
+    let mut levels: Vec<Pair<Vec<f64>>> = Vec::new();
+    let mut nested = vec![Vec::new(); problem.terms.len()];
     let mut largest: f64 = 0.0;
-    let kinks = problem.kinks(times);
     for &t in times {
         let state = setup.state(t);
-        let [mut sum, mut of_exact] = [(); 2].map(|()| problem.constant.clone());
+        let mut sum = problem.constant.clone();
         let (mut past, mut present) = (DVector::zeros(m), DMatrix::zeros(m, m));
-        // v_n of the exact u and the error of v_n as far as it is known, and the weight of u_n in it.
-        let known = inner.iter().map(|sums| {
-            let ([mut v, of_errors], slot) =
-                (sums.as_ref()?.before(0), sums.as_ref()?.current_weight(0));
-            axpy(slot, &state.u, &mut v);
-            axpy(1.0, &setup.problem.start, &mut v);
-            Some((v, of_errors, slot))
-        });
-        let known: Vec<_> = known.collect();
-        for (l, (kernel, matrix)) in problem.kernels.iter().zip(&problem.matrices).enumerate() {
-            let ([mut discrete, mut of_errors], mut weight) =
-                (sums[l].before(0), sums[l].current_weight(0));
-            let integral = match (&known[l], &problem.inner[l]) {
-                (Some((v, errors, slot)), Some(within)) => {
+        let mut known = Vec::new();
+        for (term, before) in problem.terms.iter().zip(&nested) {
+            // v_n of the exact u, its error as far as it is known, and the weight of u_n in it.
+            let v = term.inner.as_ref().map(|inner| {
+                let ([mut v, of_errors], slot) = inner.sums(times, &levels, m);
+                axpy(slot, &state.u, &mut v);
+                axpy(1.0, &setup.problem.start, &mut v);
+                ([v, of_errors], slot)
+            });
+            let before = if v.is_some() { before } else { &levels };
+            let ([mut discrete, mut of_errors], mut weight) = term.kernel.sums(times, before, m);
+            match &v {
+                None => axpy(weight, &state.u, &mut discrete),
+                Some(([v, errors], slot)) => {
                     axpy(weight, v, &mut discrete);
                     axpy(weight, errors, &mut of_errors);
                     weight *= slot;
-                    let v = |times: &[f64]| {
-                        let at = |&s: &f64| within.history(s, &kinks, &setup.problem.start, exact);
-                        times.iter().map(at).collect()
-                    };
-                    kernel.integral(t, &kinks, &discrete, v)
                 }
-                _ => {
-                    axpy(weight, &state.u, &mut discrete);
-                    kernel.integral(t, &kinks, &discrete, exact)
-                }
-            };
-            of_exact += matrix * DVector::from_vec(integral);
-            sum += matrix * DVector::from_vec(discrete);
-            past += matrix * DVector::from_vec(of_errors);
-            present += weight * matrix;
+            }
+            sum += &term.matrix * DVector::from_vec(discrete);
+            past += &term.matrix * DVector::from_vec(of_errors);
+            present += weight * &term.matrix;
+            known.push(v);
         }
-        let [history, discrete] = [of_exact, sum].map(|sum| &problem.r * sum);
-        let (source, by_y, by_r) = problem.force(&state.u, history.as_slice(), discrete.as_slice());
+        let discrete = &problem.r * sum;
+        let (source, by_y, by_r) = problem.force(&state.u, &state.history, discrete.as_slice());
         let mut tangent = &problem.matrix + DMatrix::from_diagonal(&by_r);
         tangent += DMatrix::from_diagonal(&by_y) * &problem.r * present;
         let right = source - by_y.component_mul(&(&problem.r * past));
@@ -93,35 +71,35 @@ pub(super) fn largest_error(
         largest = largest.max(match norm {
             Norm::PressureL2Max => pressure,
             Norm::DisplacementMax => {
-                let [mut sum, mut off] = [(); 2].map(|()| vec![0.0; m]);
-                let mut weight = 0.0;
-                if let Some(sums) = &displacement {
-                    ([sum, off], weight) = (sums.before(0), sums.current_weight(0));
-                }
-                axpy(weight, &state.u, &mut sum);
-                axpy(weight, error.as_slice(), &mut off);
-                let integral = problem.one.integral(t, &kinks, &sum, exact);
+                let ([mut off, of_errors], weight) = problem.one.sums(times, &levels, m);
+                axpy(weight, &state.u, &mut off);
+                axpy(1.0, &setup.problem.start, &mut off);
                 // Both errors are discrete less exact.
-                axpy(1.0, &sum, &mut off);
-                axpy(-1.0, &integral, &mut off);
+                axpy(-1.0, &setup.exact.integral(t), &mut off);
+                axpy(1.0, &of_errors, &mut off);
+                axpy(weight, error.as_slice(), &mut off);
                 problem.norm(&DVector::from_vec(off))
             }
             _ => problem.norm(&error),
         });
-        let levels = [state.u.clone(), error.as_slice().to_vec()];
-        for (sums, known) in sums.iter_mut().zip(known) {
-            sums.advance(match known {
-                Some((v, mut errors, slot)) => {
-                    axpy(slot, &levels[1], &mut errors);
-                    [v, errors]
-                }
-                None => levels.clone(),
-            });
+        for (nested, v) in nested.iter_mut().zip(known) {
+            if let Some(([v, mut of_errors], slot)) = v {
+                axpy(slot, error.as_slice(), &mut of_errors);
+                nested.push([v, of_errors]);
+            }
         }
-        inner.iter_mut().flatten().for_each(|sums| sums.advance(levels.clone()));
-        displacement.iter_mut().for_each(|sums| sums.advance(levels.clone()));
+        levels.push([state.u.clone(), error.as_slice().to_vec()]);
     }
     Ok(largest)
+}
+
+/// A term of the history.
+struct Term {
+    kernel: Kernel,
+    /// r of a nested one.
+    inner: Option<Kernel>,
+    /// Q.
+    matrix: DMatrix<f64>,
 }
 
 struct Linearised<'a> {
@@ -130,15 +108,9 @@ struct Linearised<'a> {
     product: DMatrix<f64>,
     r: DMatrix<f64>,
     constant: DVector<f64>,
-    kernels: Vec<Kernel>,
-    /// r_l of the nested terms.
-    inner: Vec<Option<Kernel>>,
+    terms: Vec<Term>,
     /// q = 1.
     one: Kernel,
-    /// Q_l.
-    matrices: Vec<DMatrix<f64>>,
-    /// u(x).
-    u: Program,
     /// g_i'.
     nonlinear: Vec<Node>,
     /// N_i, ∂N_i/∂y, ∂N_i/∂r.
@@ -148,28 +120,20 @@ struct Linearised<'a> {
 }
 
 impl<'a> Linearised<'a> {
-    fn new(setup: &'a AbstractSetup) -> Self {
-        let problem = &setup.problem;
+    fn new(setup: &'a AbstractSetup) -> Result<Self, NoConstant> {
+        let (problem, time) = (&setup.problem, &setup.scene.time);
         let mut graph = setup.scene.formulas.clone();
         let rows = |list: &[Vec<f64>]| DMatrix::from_fn(list.len(), list.len(), |i, j| list[i][j]);
-        let horizon = setup.scene.time.horizon;
-        let kernels = problem.kernels.iter();
-        let (kernels, matrices) = kernels
-            .map(|written| {
-                let kernel = Kernel::new(&mut graph, written.power, written.q, horizon);
-                (kernel, rows(&written.matrix))
+        let kernel = |power, q| Kernel::new(&graph, (time.rule, power), q, time.horizon);
+        let term = |written: &AbstractKernel| {
+            Ok(Term {
+                kernel: kernel(written.power, written.q)?,
+                inner: written.inner.map(|r| kernel(0.0, r)).transpose()?,
+                matrix: rows(&written.matrix),
             })
-            .unzip();
-        let inner = problem
-            .kernels
-            .iter()
-            .map(|written| written.inner.map(|r| Kernel::new(&mut graph, 0.0, r, horizon)));
-        let inner = inner.collect();
-        let one = Kernel::one(&mut graph, horizon);
-        let s = graph.variable(Variable::X);
-        let u = problem.u.iter().map(|&u| graph.substitute(u, Variable::T, s));
-        let u: Vec<Node> = u.collect();
-        let u = Program::compile(&graph, &u, horizon);
+        };
+        let terms = problem.kernels.iter().map(term).collect::<Result<_, NoConstant>>()?;
+        let one = Kernel::one(&mut graph, time.rule, time.horizon)?;
         let mut by = |f: Node, variable| graph.derivative(f, variable);
         let nonlinear = problem.nonlinear.iter().flatten().map(|&g| by(g, Variable::X)).collect();
         let force = problem
@@ -178,38 +142,23 @@ impl<'a> Linearised<'a> {
             .flatten()
             .map(|&f| [f, by(f, Variable::Y), by(f, Variable::X)])
             .collect();
-        Self {
+        Ok(Self {
             matrix: rows(&problem.matrix),
             product: rows(&problem.inner_product),
             r: rows(&problem.r),
             constant: DVector::from_column_slice(&problem.a_s),
             laws: setup.exact.laws(),
-            kernels,
-            inner,
+            terms,
             one,
-            matrices,
-            u,
             nonlinear,
             force,
             graph,
             setup,
-        }
+        })
     }
 
     fn norm(&self, e: &DVector<f64>) -> f64 {
         (e.dot(&(&self.product * e))).sqrt()
-    }
-
-    /// Where a guard of u changes sign between two of these times.
-    fn kinks(&self, times: &[f64]) -> Vec<f64> {
-        let guards = self.graph.guards(&self.setup.problem.u);
-        let values = |times: &[f64]| -> Vec<Vec<f64>> {
-            let at = |guard: Node, t: f64| {
-                self.graph.evaluate(guard, &EvaluationPoint { t, ..EvaluationPoint::default() })
-            };
-            guards.iter().map(|&guard| times.iter().map(|&t| at(guard, t)).collect()).collect()
-        };
-        times.windows(2).flat_map(|ends| sign_changes(ends[0], ends[1], 1, values)).collect()
     }
 
     /// N(S u, u) - N(S^k u, u), ∂N/∂y, and the diagonal g' + ∂N/∂r.

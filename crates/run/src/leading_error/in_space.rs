@@ -5,7 +5,7 @@ use super::cells::{
     Answer, Mandel, add_force, add_stiffness, inner, product, strains, stress_along, stress_of,
 };
 use super::interpolation::InterpolationError;
-use super::sums::{Kernel, OwnHistory, Sums, Weights};
+use super::sums::{Kernel, Pair};
 use algebra::linalg::{Front, axpy, dot, larger};
 use exact::{ComplianceRule, Exact, InterpolatedOnMesh, Sliding};
 use fem::contact::Discretization;
@@ -18,7 +18,6 @@ use std::sync::Arc;
 pub(super) struct InSpace<const S: usize> {
     pub(super) exact: Arc<Exact>,
     pub(super) space: Arc<Discretization>,
-    rule: TimeRule,
     truth: InterpolatedOnMesh,
     /// κ'(ζ).
     slope: Option<Node>,
@@ -26,7 +25,7 @@ pub(super) struct InSpace<const S: usize> {
     regions: Vec<usize>,
     kernels: Vec<Kernel>,
     /// The kernel of ζ.
-    one: [Kernel; 1],
+    one: Kernel,
 }
 
 /// I_h u with its exact histories at one time.
@@ -37,7 +36,6 @@ pub(super) struct State<const S: usize> {
     norm: f64,
     /// Of each term of the memory.
     memory: Vec<Remembered<S>>,
-    /// ζ, if κ depends on it.
     zeta: f64,
     /// ζ of the discrete history, with the weight of the level itself and its error.
     accumulated: f64,
@@ -81,12 +79,15 @@ impl<const S: usize> Response<S> {
 
 impl<const S: usize> InSpace<S> {
     /// Binds the exact solution to the mesh of `space`.
+    ///
+    /// # Errors
+    /// [`NoConstant::Rule`].
     pub(super) fn new(
         exact: Arc<Exact>,
         space: Arc<Discretization>,
         rule: TimeRule,
         memory: &[RelaxationTerm],
-    ) -> Self {
+    ) -> Result<Self, NoConstant> {
         // The rule affects loads only, which are not used here.
         let truth = InterpolatedOnMesh::new(exact.clone(), space.clone(), ComplianceRule::Vertex);
         let mut graph = exact.data.graph.clone();
@@ -100,48 +101,41 @@ impl<const S: usize> InSpace<S> {
         let kernel = |term: &RelaxationTerm| {
             let (power, factor) =
                 term.singular.map_or((0.0, term.kernel), |parts| (parts.power, parts.factor));
-            Kernel::of_lag(&mut graph, power, factor, horizon)
+            Kernel::of_lag(&mut graph, (rule, power), factor, horizon)
         };
-        let kernels = memory.iter().map(kernel).collect();
-        let one = [Kernel::one(&mut graph, horizon)];
-        Self { exact, space, rule, truth, slope, graph, regions, kernels, one }
+        let kernels = memory.iter().map(kernel).collect::<Result<_, _>>()?;
+        let one = Kernel::one(&mut graph, rule, horizon)?;
+        Ok(Self { exact, space, truth, slope, graph, regions, kernels, one })
     }
 
-    /// Number of steps beyond which the direct sums cost too much.
+    /// Number of steps beyond which the sums cost too much.
     pub(super) fn most_steps(&self) -> u32 {
-        let fixed = Weights::of(self.rule).is_ok_and(Weights::are_fixed);
-        match !fixed || self.kernels.iter().any(Kernel::is_direct) {
-            true => (MOST_PRODUCTS / self.space.nodes.len() as f64).sqrt() as u32,
-            false => u32::MAX,
-        }
+        (MOST_PRODUCTS / self.space.nodes.len() as f64).sqrt() as u32
     }
 
     /// Whether u(t) ∈ V^h up to rounding, at arbitrary times.
-    pub(super) fn holds_the_solution(&self, horizon: f64) -> bool {
-        let mut interpolation = InterpolationError::new(&self.exact, &self.space);
-        [0.37, 0.83, 1.0].iter().all(|share| {
+    pub(super) fn holds_the_solution(&self, horizon: f64) -> Result<bool, NoConstant> {
+        let mut interpolation = InterpolationError::new(&self.exact, &self.space, false);
+        for share in [0.37, 0.83, 1.0] {
             let t = share * horizon;
-            let strain: Vec<Mandel<S>> = strains(&self.space, &self.own_history().displacement(t));
-            interpolation.at(t) <= VANISHING * inner(&self.space, &strain, &strain).sqrt()
-        })
+            let strain: Vec<Mandel<S>> = strains(&self.space, &self.truth.displacements(t)?.0);
+            let size = inner(&self.space, &strain, &strain).sqrt();
+            let error = interpolation.at(t)?;
+            if error.is_nan() || error > VANISHING * size {
+                return Ok(false);
+            }
+        }
+        Ok(true)
     }
 
     /// The largest errors on a grid, max_n ‖ε(e_n)‖ and those of the other norms.
     pub(super) fn largest_errors(&self, times: &[f64]) -> Result<Largest, NoConstant> {
-        let weights = Weights::of_plain(self.rule)?;
-        let of_kernels =
-            self.kernels.iter().map(|kernel| Weights::of_kernel(self.rule, kernel.power));
-        let of_kernels = of_kernels.collect::<Result<Vec<_>, _>>()?;
-        let mut sums = Sums::new(of_kernels, &self.kernels, times, self.space.nodes.len());
-        // Sums over earlier levels of ‖ε_j‖ and of (ε_j, ε(e_j))/‖ε_j‖, the error of the integrand of ζ.
-        let mut sizes = Sums::new(vec![weights], &self.one, times, 1);
+        // Of earlier levels u and e, and ‖ε‖ and (ε, ε(e))/‖ε‖, the error of the integrand of ζ.
+        let mut levels: Vec<Pair<Vec<f64>>> = Vec::new();
+        let mut sizes: Vec<Pair<Vec<f64>>> = Vec::new();
         let mut largest = Largest::default();
-        let mut history = self.own_history();
         for (n, &t) in times.iter().enumerate() {
-            if n > 0 {
-                history.advance(t);
-            }
-            let state = self.state(t, &mut history, [&sums, &sizes]);
+            let state = self.state(times, [&levels, &sizes])?;
             let (mut error, mut of_norm) = (vec![0.0; self.space.nodes.len()], 0.0);
             if n > 0 {
                 let level = self.level(t, &state)?;
@@ -155,8 +149,8 @@ impl<const S: usize> InSpace<S> {
                 largest.raise(&self.space, &level);
                 error = level.error;
             }
-            sizes.advance([vec![state.norm], vec![of_norm]]);
-            sums.advance([state.u, error]);
+            sizes.push([vec![state.norm], vec![of_norm]]);
+            levels.push([state.u, error]);
         }
         Ok(largest)
     }
@@ -166,35 +160,40 @@ impl<const S: usize> InSpace<S> {
         node.map_or(absent, |node| self.graph.evaluate(node, &at))
     }
 
-    fn own_history(&self) -> OwnHistory<'_, S> {
-        OwnHistory::new(&self.exact, &self.space, &self.kernels, self.slope.is_some())
-    }
-
-    /// The state at the time that `history` and the sums of u and of ‖ε‖ have reached.
+    /// The state at the level after those that are given.
     fn state(
         &self,
-        t: f64,
-        history: &mut OwnHistory<'_, S>,
-        [sums, sizes]: [&Sums; 2],
-    ) -> State<S> {
-        let u = history.displacement(t);
+        times: &[f64],
+        [levels, sizes]: [&[Pair<Vec<f64>>]; 2],
+    ) -> Result<State<S>, NoConstant> {
+        let t = times[levels.len()];
+        let (u, histories) = self.truth.displacements(t)?;
         let strain: Vec<Mandel<S>> = strains(&self.space, &u);
-        let remembered = |term: usize| {
-            let ([mut discrete, error], weight) = (sums.before(term), sums.current_weight(term));
+        let remembered = |(kernel, exact): (&Kernel, Vec<f64>)| {
+            let ([mut discrete, error], weight) = kernel.sums(times, levels, u.len());
             axpy(weight, &u, &mut discrete);
-            let exact = history.remembered(term, &discrete);
             let [exact, discrete, error] =
                 [exact, discrete, error].map(|nodal| strains(&self.space, &nodal));
             Remembered { exact, discrete, error, weight }
         };
-        let memory = (0..self.kernels.len()).map(remembered).collect();
+        let memory = self.kernels.iter().zip(histories).map(remembered).collect();
         let norm = inner(&self.space, &strain, &strain).sqrt();
-        let (zeta, contact) = (history.zeta(), self.truth.contact_state(t));
-        let friction = self.truth.friction_state(t);
-        let weight = sizes.current_weight(0);
-        let [before, zeta_error] = sizes.before(0).map(|sum| sum[0]);
-        let accumulated = before + weight * norm;
-        State { u, strain, norm, memory, zeta, accumulated, weight, zeta_error, contact, friction }
+        let zeta = if self.slope.is_some() { self.truth.zeta(t)? } else { 0.0 };
+        let (contact, friction) = (self.truth.contact_state(t), self.truth.friction_state(t));
+        let ([before, zeta_error], weight) = self.one.sums(times, sizes, 1);
+        let (accumulated, zeta_error) = (before[0] + weight * norm, zeta_error[0]);
+        Ok(State {
+            u,
+            strain,
+            norm,
+            memory,
+            zeta,
+            accumulated,
+            weight,
+            zeta_error,
+            contact,
+            friction,
+        })
     }
 
     /// e_n from the linearised step
@@ -359,14 +358,13 @@ pub(super) struct Level<const S: usize> {
     pub(super) pressure: Vec<f64>,
 }
 
+/// The norms with a leading error in time.
+const NORMS: [Norm; 5] =
+    [Norm::VMax, Norm::L2Max, Norm::StressL2Max, Norm::TraceL2Max, Norm::PressureL2Max];
+
+/// The largest errors in these norms.
 #[derive(Debug, Clone, Copy, Default)]
-pub(super) struct Largest {
-    v: f64,
-    l2: f64,
-    stress: f64,
-    trace: f64,
-    pressure: f64,
-}
+pub(super) struct Largest([f64; 5]);
 
 impl Largest {
     /// Includes a level; NaN is kept.
@@ -374,27 +372,20 @@ impl Largest {
         let of_cells = |field: &[Mandel<S>]| inner(space, field, field).sqrt();
         let trace: Vec<f64> =
             (0..space.trace.points.len()).map(|i| normal(space, i, &level.error)).collect();
-        for (known, value) in [
-            (&mut self.v, of_cells(&level.strain)),
-            (&mut self.l2, in_the_body(space, &level.error)),
-            (&mut self.stress, of_cells(&level.stress)),
-            (&mut self.trace, on_the_contact_side(space, &trace)),
-            (&mut self.pressure, on_the_contact_side(space, &level.pressure)),
-        ] {
-            *known = larger(*known, value);
-        }
+        let values = [
+            of_cells(&level.strain),
+            in_the_body(space, &level.error),
+            of_cells(&level.stress),
+            on_the_contact_side(space, &trace),
+            on_the_contact_side(space, &level.pressure),
+        ];
+        self.0.iter_mut().zip(values).for_each(|(known, value)| *known = larger(*known, value));
     }
 
     /// None for norms without a leading error in time.
     pub(super) fn of(&self, norm: Norm) -> Option<f64> {
-        match norm {
-            Norm::VMax | Norm::VTimeMax => Some(self.v),
-            Norm::L2Max => Some(self.l2),
-            Norm::StressL2Max => Some(self.stress),
-            Norm::TraceL2Max => Some(self.trace),
-            Norm::PressureL2Max => Some(self.pressure),
-            _ => None,
-        }
+        let norm = if norm == Norm::VTimeMax { Norm::VMax } else { norm };
+        NORMS.iter().position(|known| *known == norm).map(|at| self.0[at])
     }
 }
 

@@ -12,10 +12,9 @@
 //! E(t) by the left-endpoint one, driven by (1/2)[q(t,s) u(s)]_0^t; the full source also covers other grids, kernels
 //! like (t-s)^a, kinks and jumps.
 //!
-//! Independence: only numbers and formulas of the scene, the manufactured side's stress and linear algebra are used.
-//! Histories are integrated anew (`sums`), so that wrong histories of the exact solution show. The solver's model,
-//! laws, time weights, assembly and march are not used, so that mistakes in them do not move the prediction;
-//! `tests/commands/house.rs` lists what is shared.
+//! Independence: only numbers and formulas of the scene, the manufactured side's stress and histories, and linear algebra
+//! are used. The solver's model, laws, time weights, assembly and march are not, so that mistakes in them do not move the
+//! prediction; `tests/commands/house.rs` lists what is shared.
 
 mod cells;
 mod contact_answers;
@@ -26,7 +25,7 @@ mod interpolation;
 mod sums;
 
 pub use error::NoConstant;
-pub use interpolation::{InterpolationError, interpolation_constant};
+pub use interpolation::InterpolationError;
 /// A case of a scene whose errors are predicted.
 pub use judge::verdict::MeshAndSteps as Case;
 
@@ -238,8 +237,8 @@ fn time_errors<const S: usize>(
     if memory.iter().any(|term| term.inner.is_some()) {
         return Err(NoConstant::Nested);
     }
-    let body = in_space::InSpace::<S>::new(exact.clone(), space, rule, memory);
-    if in_space && !body.holds_the_solution(setup.scene.time.horizon) {
+    let body = in_space::InSpace::<S>::new(exact.clone(), space, rule, memory)?;
+    if in_space && !body.holds_the_solution(setup.scene.time.horizon)? {
         return Err(NoConstant::NotInSpace);
     }
     let error = |&case: &Case| {

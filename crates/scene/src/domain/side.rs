@@ -2,7 +2,7 @@
 
 use super::{Domain, Shape, place};
 use crate::reading::Reading;
-use crate::source::{Result, SceneError};
+use crate::source::Result;
 use fem::mesh::{CoarseMesh, Piece};
 use formula::{Effort, Extreme, Graph, Interval, Node, Place, Variable, largest};
 use nalgebra::DMatrix;
@@ -207,24 +207,25 @@ pub(super) fn few_at_a_vertex(reading: &Reading, domain: &Domain) -> Result<()> 
         !clamped[*v] && !normals[*v].is_empty() && !possible && !independent(&conditions)
     };
     let Some(v) = (0..normals.len()).find(bad) else { return Ok(()) };
-    if across[v].is_empty() {
-        return Err(refusal(reading, coarse, v, normals[v].len()));
-    }
     let at = place(&coarse.vertices[v].into(), coarse.dimension);
-    let message = format!(
-        "a contact side and a plane of symmetry meet at {at} along one line: u_nu = 0 and u_nu <= g there are not independent"
-    );
-    let hint = "put a traction or clamped side between them, or let them meet at an angle";
-    Err(reading.error("domain.symmetry", message, hint))
-}
-
-fn refusal(reading: &Reading, coarse: &CoarseMesh, v: usize, count: usize) -> SceneError {
-    let at = place(&coarse.vertices[v].into(), coarse.dimension);
-    let message = format!(
-        "{count} faces of the contact sides with different normals meet at {at}: the conditions u_nu <= g there are not independent"
-    );
-    let hint = "contact sides of tetrahedra must be plane: a bent side of many faces may be a traction side";
-    reading.error("domain.contact", message, hint)
+    let (key, message, hint) = match across[v].is_empty() {
+        true => (
+            "domain.contact",
+            format!(
+                "{} faces of the contact sides with different normals meet at {at}: the conditions u_nu <= g there are not independent",
+                normals[v].len()
+            ),
+            "contact sides of tetrahedra must be plane: a bent side of many faces may be a traction side",
+        ),
+        false => (
+            "domain.symmetry",
+            format!(
+                "a contact side and a plane of symmetry meet at {at} along one line: u_nu = 0 and u_nu <= g there are not independent"
+            ),
+            "put a traction or clamped side between them, or let them meet at an angle",
+        ),
+    };
+    Err(reading.error(key, message, hint))
 }
 
 fn add_independent(known: &mut Vec<[f64; 3]>, normal: [f64; 3]) {

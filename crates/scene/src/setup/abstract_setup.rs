@@ -383,22 +383,14 @@ pub struct AbstractConstants {
     pub m0: f64,
     /// ‖R‖ on X*.
     pub r_norm: f64,
-    /// ‖q‖ = max over 0 ≤ s ≤ t ≤ T of the norm of q(t, s): X → X*, proved; without the terms that are infinite at s =
-    /// t.
-    pub q_norm: f64,
-    /// max ‖q(t, t)‖ over t, proved.
-    pub q_norm_now: f64,
-    /// What R q(t, t) can take from the monotonicity of a step of weight 1: max over t of -λ_min of the symmetric part of
-    /// N' R q(t, t), if N is linear in y, else β_φ‖R‖ max ‖q(t, t)‖.
-    pub destabilizing: f64,
-    /// a of the terms (t - s)^{-a} b(t, s); 0 without one.
-    pub power: f64,
-    /// The same three of the terms with an inner kernel, for ‖r‖ q(t, s) and q(t, t) r(t, t) in place of q.
+    /// Of q(t, s), without the terms that are infinite at s = t and those with an inner kernel: what R q(t, t) can take from
+    /// the monotonicity of a step of weight 1 is β_φ‖R‖ max ‖q(t, t)‖, if N is not linear in y.
+    pub plain: KernelNorms,
+    /// Of the terms with an inner kernel, for ‖r‖ q(t, s) and q(t, t) r(t, t) in place of q.
     pub nested: KernelNorms,
-    /// ‖b‖, ‖b(t, t)‖ and what b can take, likewise.
-    pub b_norm: f64,
-    pub b_norm_now: f64,
-    pub b_destabilizing: f64,
+    /// a of the terms (t - s)^{-a} b(t, s), 0 without one, and of b.
+    pub power: f64,
+    pub singular: KernelNorms,
     /// The slopes of g and N are bounded for |r|, |y| up to this.
     pub slopes_up_to: f64,
 }
@@ -406,30 +398,27 @@ pub struct AbstractConstants {
 impl AbstractConstants {
     /// The bounds on the step size.
     pub fn step_bounds(&self, rule: &dyn TimeRule) -> StepBounds {
-        let (lipschitz, now) = (self.r_norm * self.q_norm, self.r_norm * self.q_norm_now);
+        let lipschitz = self.r_norm * self.plain.all;
         // A nested term has the last weight w_nn².
         let (power, share, norms) = match self.nested.all > 0.0 {
             true => (NESTED, rule.last_share().powi(2), self.nested),
-            false => {
-                let (all, now) = (self.b_norm, self.b_norm_now);
-                let norms = KernelNorms { all, now, destabilizing: self.b_destabilizing };
-                (self.power, rule.last_weight(self.power, 1.0), norms)
-            }
+            false => (self.power, rule.last_weight(self.power, 1.0), self.singular),
         };
+        let last_slot = |norms: KernelNorms| self.beta_phi * self.r_norm * norms.now;
         StepBounds {
             m0: self.m0,
             beta_phi: self.beta_phi,
             lipschitz,
             paper_lipschitz: lipschitz,
-            last_slot: self.beta_phi * now,
-            destabilizing: self.destabilizing,
+            last_slot: last_slot(self.plain),
+            destabilizing: self.plain.destabilizing,
             last_share: rule.last_share(),
             singular: SingularSlot {
                 power,
                 share,
                 lipschitz: self.r_norm * norms.all,
                 paper_lipschitz: self.r_norm * norms.all,
-                last_slot: self.beta_phi * self.r_norm * norms.now,
+                last_slot: last_slot(norms),
                 destabilizing: norms.destabilizing,
             },
         }
@@ -548,14 +537,10 @@ pub(crate) fn abstract_constants(
         c_j_squared,
         m0,
         r_norm,
-        q_norm: plain.all,
-        q_norm_now: plain.now,
-        destabilizing: plain.destabilizing,
+        plain,
         nested,
         power,
-        b_norm: singular.all,
-        b_norm_now: singular.now,
-        b_destabilizing: singular.destabilizing,
+        singular,
         slopes_up_to,
     })
 }

@@ -6,7 +6,7 @@ use super::{AbstractSetup, Result, Setup, SetupError, elasticity};
 use crate::memory::in_the_largest;
 use crate::{RelaxationTerm, Side};
 use fem::contact::{Discretization, TraceMass, TracePart, weighted_trace_constants};
-use formula::{EvaluationPoint, Graph, Interval, Node, Place, Variable};
+use formula::{EvaluationPoint, Graph, Interval, Node, Variable};
 use vhi::history::TimeRule;
 use vhi::law::TensorField;
 use vhi::{SingularSlot, StepBounds, monotonicity};
@@ -275,7 +275,7 @@ fn of_domain(setup: &Setup, part: TracePart, weights: &[(Side, f64)]) -> Result<
 
 /// The constants with c_ν² and c_τ², each computed only if a law on Γ3 takes from the monotonicity by it, and c_j² where it
 /// is c_ν².
-pub(super) fn with_needed(
+fn with_needed(
     setup: &Setup,
     constant: impl Fn(TracePart, &[(Side, f64)]) -> Result<TraceConstant>,
 ) -> Result<Constants> {
@@ -482,7 +482,7 @@ impl MemoryNorms {
     }
 
     /// The largest of all regions.
-    pub(super) fn of_all(regions: &[Self]) -> Self {
+    fn of_all(regions: &[Self]) -> Self {
         regions.iter().copied().reduce(Self::or).unwrap_or_default()
     }
 }
@@ -496,16 +496,15 @@ struct OfRegion {
 }
 
 /// The terms with one power, by region, in a graph of their own.
-pub(super) struct Memory {
+struct Memory {
     graph: Graph,
     regions: Vec<OfRegion>,
-    pub power: f64,
 }
 
 impl Memory {
     /// The terms of ℬ with t^{-power} in their kernels, without it; for [`NESTED`] the histories of histories, with the
     /// kernel ±max |r| q, of the sign of r(0).
-    pub(super) fn of_power(setup: &Setup, power: f64) -> Self {
+    fn of_power(setup: &Setup, power: f64) -> Self {
         let mut graph = setup.scene.formulas.clone();
         let material = &setup.body.material;
         let over = Interval::new(0.0, setup.scene.time.horizon);
@@ -531,15 +530,7 @@ impl Memory {
         let regions = (0..=material.regions.len())
             .map(|region| OfRegion::new(&mut graph, &of_region(region), setup.scene.dimension))
             .collect();
-        Self { graph, regions, power }
-    }
-
-    /// One with each power, plain kernels first.
-    pub(super) fn every(setup: &Setup) -> Vec<Self> {
-        let singular = setup.body.material.memory.iter().filter_map(|term| term.singular);
-        let powers = in_the_largest(singular.map(|singular| singular.power), 1.0);
-        let powers = [0.0].into_iter().chain(powers.into_iter().map(|(power, _)| power));
-        powers.map(|power| Self::of_power(setup, power)).collect()
+        Self { graph, regions }
     }
 
     /// The norms on each region, the rest of the body first.
@@ -558,13 +549,6 @@ impl Memory {
             }
         };
         self.regions.iter().map(of_region).collect()
-    }
-
-    /// A bound of the operator norm on all regions for t in an interval.
-    pub(super) fn within(&self, over: Interval) -> f64 {
-        let place = Place::origin().with(Variable::T, over);
-        let nodes = self.regions.iter().flat_map(|region| region.eigenvalues);
-        nodes.map(|node| self.graph.enclosing(node).over(&place).range.size()).fold(0.0, f64::max)
     }
 }
 
@@ -595,12 +579,12 @@ impl OfRegion {
 }
 
 /// The norms of ℬ without its terms that are infinite at t = 0, on each region.
-pub(super) fn plain_norms(setup: &Setup) -> Vec<MemoryNorms> {
+fn plain_norms(setup: &Setup) -> Vec<MemoryNorms> {
     Memory::of_power(setup, 0.0).norms(setup.scene.time.horizon)
 }
 
 /// The largest power a, and the norms of all terms that are infinite at t = 0 as terms t^{-a} C(t), on each region.
-pub(super) fn singular_norms(setup: &Setup) -> (f64, Vec<MemoryNorms>) {
+fn singular_norms(setup: &Setup) -> (f64, Vec<MemoryNorms>) {
     let horizon = setup.scene.time.horizon;
     if setup.body.material.memory.iter().any(|term| term.inner.is_some()) {
         return (NESTED, Memory::of_power(setup, NESTED).norms(horizon));

@@ -92,7 +92,10 @@ impl KernelBounds {
         if let Some((l, s)) = self.odd {
             return Some((l, "inner", s));
         }
-        let one = |term: &Term| self.over_triangle(std::slice::from_ref(&term), |b| b[0].abs());
+        let one = |term: &Term| {
+            let b = [term.at_share];
+            over_triangle(&self.graph, self.horizon, &b, Effort::FORMULA, |b| b[0].abs())
+        };
         let found = self.terms.iter().map(one);
         let odd = found.enumerate().find(|(_, f)| !f.bound.is_finite());
         odd.map(|(l, f)| (l, "q", f.part[0].low))
@@ -119,7 +122,9 @@ impl KernelBounds {
             }
             _ => around(b, &bends, |middle| -ends(&sum(middle, &terms, |term| &term.symmetric))[0]),
         };
-        let all = self.over_triangle(&terms, size).bound;
+        let factors: Vec<Node> = terms.iter().map(|term| term.at_share).collect();
+        let effort = Self::effort(&terms);
+        let all = over_triangle(&self.graph, self.horizon, &factors, effort, size).bound;
         let now = self.over_diagonal(&terms, size).bound;
         let negative = self.over_diagonal(&terms, negative).bound;
         let rounding = OF_EIGENVALUES * bends.iter().sum::<f64>() * now / sizes.iter().sum::<f64>();
@@ -137,15 +142,6 @@ impl KernelBounds {
                 boxes: (OPERATIONS / order.pow(3)).clamp(FEWEST_BOXES, MOST_BOXES),
             },
         }
-    }
-
-    fn over_triangle(
-        &self,
-        terms: &[&Term],
-        value: impl Fn(&[Interval]) -> Interval,
-    ) -> Extreme<2> {
-        let factors: Vec<Node> = terms.iter().map(|term| term.at_share).collect();
-        over_triangle(&self.graph, self.horizon, &factors, Self::effort(terms), value)
     }
 
     fn over_diagonal(

@@ -5,12 +5,11 @@
 //! including the moment. For P1 that is F(v) of v = m at free nodes and 0 on Γ1.
 
 use std::collections::HashMap;
-use std::rc::Rc;
 use std::sync::Arc;
 
 use super::{Setup, side_numbers};
 use crate::{Data, Scene, Side};
-use exact::{Exact, ExactOnMesh, LoadForm, Shapes, Truth};
+use exact::{Densities, Exact, ExactOnMesh, LoadForm, Truth};
 use fem::contact::{Discretization, LoadError};
 use fem::mesh::Mesh;
 use fem::space::quadrature::{Rule, TruthRules, edge, tetrahedron_product, triangle_degree_8};
@@ -39,15 +38,21 @@ pub(super) fn check(
     let times = TIMES.map(|share| share * setup.scene.time.horizon);
     match (&setup.body.data, &setup.exact) {
         (Data::Loads { body, traction }, _) => {
-            let integrals = Integrals::new(&setup.scene, body, traction, space);
-            let [by_own, by_other] = [0, 1].map(|rule| integrals.at(times, rule));
-            times.iter().zip(by_own.iter().zip(&by_other)).try_for_each(
-                |(&t, (by_own, by_other))| {
-                    let rules = Sums::largest_difference(by_own, by_other);
-                    let sums = Sums::of(space, &truth.load(t)?);
-                    sums.compare(by_other, BY_RULES * rules, t)
-                },
-            )
+            let (mesh, usual) =
+                (&space.mesh, TruthRules::for_element(space.element, space.mesh.dimension));
+            let other = match mesh.dimension {
+                2 => [triangle_degree_8(), edge(7)],
+                _ => [tetrahedron_product(4), triangle_degree_8()],
+            };
+            let facets = boundary_facets(mesh);
+            let given = Given { scene: &setup.scene, space, body, traction, facets };
+            let own = [usual.load, usual.traction];
+            times.iter().try_for_each(|&t| {
+                let [by_own, by_other] = [&own, &other].map(|rules| given.sums(rules, t));
+                let rules = Sums::largest_difference(&by_own, &by_other);
+                let sums = Sums::of(space, &truth.load(t)?);
+                sums.compare(&by_other, BY_RULES * rules, t)
+            })
         }
         (Data::Exact { form: LoadForm::Strong, .. }, Some(exact)) => {
             of_forms(setup, exact, space, truth, times)
@@ -93,32 +98,24 @@ struct Sums {
 }
 
 impl Sums {
-    /// Those of forces over nodes, with the sizes of what each is summed from.
-    fn of_sized(space: &Discretization, forces: &[f64], sizes: &[f64]) -> Self {
-        let d = space.mesh.dimension;
-        let mut values = vec![0.0; d * (d + 1)];
-        let mut of_sizes = values.clone();
-        let nodes = forces.chunks_exact(d).zip(sizes.chunks_exact(d)).zip(&space.nodes.vertex);
-        for ((forces, sizes), &vertex) in nodes {
-            let place = space.mesh.vertex(vertex);
-            for (component, (force, size)) in forces.iter().zip(sizes).enumerate() {
-                let first = (d + 1) * component;
-                values[first] += force;
-                of_sizes[first] += size;
-                for (m, at) in (first + 1..).zip(place) {
-                    values[m] += force * at;
-                    of_sizes[m] += size * at.abs();
-                }
-            }
-        }
-        Self { values, size: of_sizes.into_iter().fold(0.0, f64::max) }
-    }
-
     /// Of the forces that do work in V.
     fn of(space: &Discretization, forces: &[f64]) -> Self {
         let mut forces = forces.to_vec();
         space.frames.without_support(&mut forces);
-        Self::of_sized(space, &forces, &forces.iter().map(|force| force.abs()).collect::<Vec<_>>())
+        let d = space.mesh.dimension;
+        let mut values = vec![0.0; d * (d + 1)];
+        let mut sizes = values.clone();
+        for (forces, &vertex) in forces.chunks_exact(d).zip(&space.nodes.vertex) {
+            let place = space.mesh.vertex(vertex);
+            for (component, force) in forces.iter().enumerate() {
+                let first = (d + 1) * component;
+                for (m, at) in (first..).zip([1.0].iter().chain(place)) {
+                    values[m] += force * at;
+                    sizes[m] += (force * at).abs();
+                }
+            }
+        }
+        Self { values, size: sizes.into_iter().fold(0.0, f64::max) }
     }
 
     fn largest_difference(a: &Self, b: &Self) -> f64 {
@@ -149,109 +146,42 @@ impl Sums {
     }
 }
 
-/// The corners of a cell or facet, and its nodes in the order of shape functions.
-struct Loaded<'a> {
-    corners: &'a [u32],
-    nodes: Vec<u32>,
-}
-
-/// A formula with the simplices that it acts on.
-struct Acting<'a> {
-    formula: Program,
-    component: usize,
-    simplices: Rc<[Loaded<'a>]>,
-    /// The rule of the loads, and another one.
-    rules: [Rule; 2],
-}
-
-/// ∫ f0·v + ∫ f2·v of the formulas.
-struct Integrals<'a> {
+/// f0 and f2 by their formulas, on cells and on facets of the boundary.
+struct Given<'a> {
+    scene: &'a Scene,
     space: &'a Discretization,
-    acting: Vec<Acting<'a>>,
+    body: &'a [Node],
+    traction: &'a [(Side, Vec<Node>)],
+    facets: Vec<usize>,
 }
 
-impl<'a> Integrals<'a> {
-    fn new(
-        scene: &Scene,
-        body: &[Node],
-        traction: &[(Side, Vec<Node>)],
-        space: &'a Discretization,
-    ) -> Self {
-        let (mesh, graph) = (&space.mesh, scene.formulas.clone());
-        let rules = TruthRules::for_element(space.element, mesh.dimension);
-        let (inside, outside) = match mesh.dimension {
-            2 => ([rules.load, triangle_degree_8()], [rules.traction, edge(7)]),
-            _ => ([rules.load, tetrahedron_product(4)], [rules.traction, triangle_degree_8()]),
+impl Given<'_> {
+    /// The sums at a time by rules in cells and on facets, with shape functions that do not assemble the loads.
+    fn sums(&self, rules: &[Rule; 2], t: f64) -> Sums {
+        let mesh = &self.space.mesh;
+        let at = |formulas: &[Node], simplices: &[&[u32]], rule: &Rule| -> Vec<f64> {
+            let points =
+                |corners: &&[u32]| rule.points.iter().map(|b| mesh.point(corners, b)).collect();
+            let points: Vec<[f64; 3]> = simplices.iter().flat_map::<Vec<_>, _>(points).collect();
+            let horizon = self.scene.time.horizon;
+            let program = Program::compile(&self.scene.formulas, formulas, horizon);
+            let fields = program.values(&points, t, 0.0);
+            (0..points.len()).flat_map(|p| fields.iter().map(move |field| field[p])).collect()
         };
-        let mut acting = Vec::new();
-        let mut add = |formulas: &[Node], simplices: Rc<[Loaded<'a>]>, rules: &[Rule; 2]| {
-            for (component, &formula) in formulas.iter().enumerate() {
-                if graph.value_of_constant(formula) != Some(0.0) {
-                    let formula = Program::compile(&graph, &[formula], scene.time.horizon);
-                    let (simplices, rules) = (simplices.clone(), rules.clone());
-                    acting.push(Acting { formula, component, simplices, rules });
-                }
-            }
-        };
-        let cell = |c| Loaded { corners: mesh.cell(c), nodes: space.cell_nodes(c).to_vec() };
-        add(body, (0..mesh.cell_count()).map(cell).collect(), &inside);
-        let facets = if traction.is_empty() { Vec::new() } else { boundary_facets(mesh) };
-        for (side, formulas) in traction {
-            let node = |&vertex: &u32| space.nodes.of_vertex[vertex as usize];
-            let facet = |f: usize| Loaded {
-                corners: mesh.facet(f),
-                nodes: space.nodes.on_facet(f).iter().map(node).collect(),
-            };
-            let of_side = facets.iter().filter(|&&f| mesh.facet_side[f] == side.0);
-            add(formulas, of_side.map(|&f| facet(f)).collect(), &outside);
-        }
-        Self { space, acting }
-    }
-
-    /// The sums at the times, by one of the two rules.
-    fn at(&self, times: [f64; 2], which: usize) -> [Sums; 2] {
-        let space = self.space;
-        let mut forces = times.map(|t| (t, [(); 2].map(|()| vec![0.0; space.nodes.len()])));
-        for acting in &self.acting {
-            self.add(acting, &acting.rules[which], &mut forces);
-        }
-        // v vanishes on Γ1.
-        let free = space.mesh.dimension * space.nodes.free;
-        forces.map(|(_, [mut forces, sizes])| {
-            space.frames.without_support(&mut forces);
-            Sums::of_sized(space, &forces[..free], &sizes[..free])
-        })
-    }
-
-    /// Adds forces and the sizes of their terms, over nodes, at each time.
-    fn add(&self, acting: &Acting<'_>, rule: &Rule, forces: &mut [(f64, [Vec<f64>; 2]); 2]) {
-        let space = self.space;
-        let simplices = acting.simplices.iter();
-        let points: Vec<[f64; 3]> = simplices
-            .flat_map(|simplex| rule.points.iter().map(|b| space.mesh.point(simplex.corners, b)))
-            .collect();
-        // Independent of the shape functions that assemble the loads.
-        let (d, corners) = (space.mesh.dimension, rule.points[0].len());
-        let of = if corners == d { Shapes::of_facet } else { Shapes::of_cell };
-        let functions = of(space.element, d);
-        let shapes: Vec<Vec<f64>> = rule.points.iter().map(|b| functions.at(b)).collect();
-        let measures: Vec<f64> =
-            acting.simplices.iter().map(|simplex| measure(space, simplex.corners)).collect();
-        let mut formula = acting.formula.bind(&points);
-        for (t, [forces, sizes]) in forces {
-            let values = formula.values_at(*t, 0.0).swap_remove(0);
-            let of_simplices = values.chunks_exact(rule.points.len());
-            for ((simplex, measure), f) in acting.simplices.iter().zip(&measures).zip(of_simplices)
-            {
-                for ((weight, shapes), f) in rule.weights.iter().zip(&shapes).zip(f) {
-                    for (shape, &node) in shapes.iter().zip(&simplex.nodes) {
-                        let (at, share) = (d * node as usize, weight * measure * f * shape);
-                        forces[at + acting.component] += share;
-                        sizes[at + acting.component] += share.abs();
-                    }
-                }
+        let cells: Vec<&[u32]> = (0..mesh.cell_count()).map(|c| mesh.cell(c)).collect();
+        let body = at(self.body, &cells, &rules[0]);
+        let count = mesh.dimension * rules[1].weights.len();
+        let mut traction = vec![0.0; count * mesh.facet_side.len()];
+        for (side, formulas) in self.traction {
+            let mut of_side = self.facets.clone();
+            of_side.retain(|&f| mesh.facet_side[f] == side.0);
+            let corners: Vec<&[u32]> = of_side.iter().map(|&f| mesh.facet(f)).collect();
+            for (f, values) in of_side.iter().zip(at(formulas, &corners, &rules[1]).chunks(count)) {
+                traction[count * f..][..count].copy_from_slice(values);
             }
         }
+        let densities = Densities { rules: rules.clone(), body, traction };
+        Sums::of(self.space, &densities.assembled(self.space, false))
     }
 }
 
@@ -273,24 +203,4 @@ fn boundary_facets(mesh: &Mesh) -> Vec<usize> {
     }
     let mut once = |f: &usize| count.remove(&sorted(mesh.facet(*f))) == Some(1);
     (0..mesh.facet_side.len()).filter(|f| once(f)).collect()
-}
-
-/// Length, area or volume by the minors of the matrix of edges, in units of the longest, against over- and underflow. Gram's
-/// determinant has their squares, and loses all digits of flat cells.
-fn measure(space: &Discretization, simplex: &[u32]) -> f64 {
-    let corner = |i: usize| space.mesh.vertex(simplex[i]);
-    let mut edges = vec![[0.0; 3]; simplex.len() - 1];
-    for (i, edge) in edges.iter_mut().enumerate() {
-        let ends = corner(i + 1).iter().zip(corner(0));
-        edge.iter_mut().zip(ends).for_each(|(value, (to, from))| *value = to - from);
-    }
-    let unit = edges.iter().flatten().fold(0.0f64, |most, value| most.max(value.abs()));
-    let vectors: Vec<_> = edges.iter().map(|&edge| nalgebra::Vector3::from(edge) / unit).collect();
-    let content = match vectors[..] {
-        [a] => a.norm(),
-        [a, b] => a.cross(&b).norm() / 2.0,
-        [a, b, c] => a.cross(&b).dot(&c).abs() / 6.0,
-        _ => f64::NAN,
-    };
-    content * unit.powi(vectors.len() as i32)
 }

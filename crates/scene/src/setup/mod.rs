@@ -39,7 +39,6 @@ use crate::{Body, Contact, ContactScene, Data, Scene, SceneError, Shape, Side};
 use algebra::linalg::EigenError;
 use exact::{ComplianceRule, ContactFormulas, Exact, ExactData, FrictionFormulas, Polytope};
 use fem::contact::{Boundary, BoundaryRule, CaseError, Discretization, MemoryTerm, Model};
-use fem::space::Element;
 use formula::Node;
 use vhi::finite::FiniteError;
 use vhi::history::{FastConvolution, TimeGrid};
@@ -108,21 +107,13 @@ impl Setup {
     /// # Errors
     /// A cell that the boundary of a region cuts.
     pub fn space(&self, n: u32) -> Result<Arc<Discretization>> {
-        self.with_regions(self.space_of(self.body.element, n), n)
-    }
-
-    fn with_regions(&self, mut space: Discretization, n: u32) -> Result<Arc<Discretization>> {
-        let material = &self.body.material;
-        space.regions = material::cell_regions(&self.scene, material, &space.mesh, n)?;
-        Ok(Arc::new(space))
-    }
-
-    fn space_of(&self, element: Element, n: u32) -> Discretization {
-        let domain = &self.body.domain;
-        let mesh = domain.mesh(n);
+        let ContactScene { domain, material, element, .. } = &self.body;
         let [clamped, symmetry, contact] =
             [&domain.clamped, &domain.held(), &domain.contact].map(|sides| side_numbers(sides));
-        Discretization::with_symmetry(element, mesh, [&clamped, &symmetry, &contact])
+        let sides = [&clamped[..], &symmetry, &contact];
+        let mut space = Discretization::with_symmetry(*element, domain.mesh(n), sides);
+        space.regions = material::cell_regions(&self.scene, material, &space.mesh, n)?;
+        Ok(Arc::new(space))
     }
 
     /// Whether the lines of this mesh follow the boundaries of all regions.

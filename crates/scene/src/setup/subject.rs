@@ -193,20 +193,9 @@ fn refusal(subject: &Subject, steps: u32, k: f64, bounds: &StepBounds) -> SetupE
 fn sufficient(subject: &Subject, limit: f64) -> Option<u32> {
     let time = subject.scene().time;
     let size = |steps: u32| time.grid(steps).map_or(f64::INFINITY, |grid| grid.largest_step());
-    let (mut too_few, mut enough) = (0, 1);
-    while size(enough) >= limit {
-        (too_few, enough) = (enough, 2 * enough);
-        if enough > MOST_STEPS {
-            return None;
-        }
-    }
-    while enough - too_few > 1 {
-        let middle = too_few + (enough - too_few) / 2;
-        if size(middle) < limit {
-            enough = middle;
-        } else {
-            too_few = middle;
-        }
-    }
-    Some(enough)
+    let doubled = std::iter::successors(Some(1), |steps| Some(2 * steps));
+    let enough = doubled.take_while(|&steps| steps <= MOST_STEPS).find(|&n| size(n) < limit)?;
+    // The least lies above its half.
+    let steps: Vec<u32> = (enough / 2..=enough).collect();
+    Some(steps[steps.partition_point(|&steps| size(steps.max(1)) >= limit)])
 }

@@ -52,16 +52,15 @@ fn the_slope_counts_where_a_run_can_be() {
     };
     let solved = data.march(&setup, 16, &vhi::Newton::default(), &mut last);
     assert!(solved.is_ok(), "{solved:?}");
-    assert!(zeta > 0.0 && zeta < 0.5 * kappa.zeta, "the bound is doubled: {zeta} {kappa:?}");
+    assert!(
+        (2.0 * zeta / kappa.zeta - 1.0).abs() < 0.1,
+        "that of 8, 64 is doubled: {zeta} {kappa:?}"
+    );
     // A run that passes the bound is no run.
     let mut short = setup;
     short.kappa.zeta = 0.9 * zeta;
     let beyond = data.march(&short, 16, &vhi::Newton::default(), &mut |_| Ok(()));
     assert!(matches!(beyond, Err(CaseError::BeyondZeta { .. })), "{beyond:?}");
-    // Loads that let ζ grow without a known bound: 0 is not in U.
-    let pressed = with_kappa("0.02 + 0.4*zeta^2").replace("gap = \"0.10\"", "gap = \"-0.10\"");
-    let error = Setup::new(scene(&pressed)).err().expect("no bound of zeta").to_string();
-    assert!(error.contains("has no bound for all zeta >= 0"), "{error}");
 }
 
 /// A soft half without memory (m = 1) on a stiff one (m = 100) with ℬ(0) = -20: the last slot takes w·20 of 100, and Λ contracts

@@ -281,6 +281,11 @@ impl TraceConstants {
     }
 }
 
+/// The constants of a scene with how each was obtained, without those of a mesh.
+pub fn table_of_body(setup: &Setup, c: &Constants) -> Vec<Constant> {
+    table(setup, c, c.m0, None)
+}
+
 /// `c` are the constants of the problem, `m0_on_mesh` that of the discrete one.
 pub(super) fn table(
     setup: &Setup,
@@ -385,8 +390,8 @@ pub fn table_of_finite(c: &AbstractConstants, model: &FiniteModel) -> Vec<Consta
         let (how, by) = if by_slopes { (Proved, &*slopes) } else { (Computed, "") };
         rows.add(name, value, how, format!("{note}{by}")).safe = !by_slopes || everywhere;
     }
-    rows.add("|q|", c.q_norm, Proved, "largest norm X -> X* over 0 <= s <= t <= T");
-    rows.add("|q(t,t)|", c.q_norm_now, Proved, "the same over s = t");
+    rows.add("|q|", c.plain.all, Proved, "largest norm X -> X* over 0 <= s <= t <= T");
+    rows.add("|q(t,t)|", c.plain.now, Proved, "the same over s = t");
     if c.nested.all > 0.0 {
         let note = "max |q| max |r| of histories of histories, X -> X*: S has |R|(|q| + T |q||r|)";
         rows.add("|q||r|", c.nested.all, Proved, note);

@@ -438,9 +438,9 @@ impl<'a> FiniteInTime<'a> {
         let own = || refused(scene, OWN_WEIGHTS);
         let weights = Weights::of(scene.time.rule, found.power).ok_or_else(own)?;
         smallness(scene, found.m0)?;
-        let plain = weights.beside_plain(scene.time.horizon) * found.q_norm;
+        let plain = weights.beside_plain(scene.time.horizon) * found.plain.all;
         // ‖∫_0^t q ∫_0^s r u‖ ≤ T ‖q‖‖r‖ ∫_0^t ‖u‖, and W_nj ≤ T ‖q‖‖r‖ w_nj by a rule that repeats.
-        let q_norm = plain + found.b_norm + scene.time.horizon * found.nested.all;
+        let q_norm = plain + found.singular.all + scene.time.horizon * found.nested.all;
         let constants = [found.m0, found.beta_phi, found.r_norm * q_norm];
         if constants[2] == 0.0 {
             return Err(refused(scene, NO_HISTORY));
