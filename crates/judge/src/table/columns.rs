@@ -6,9 +6,9 @@ use super::cell::{
     Comma, Measure, Number, Role, is_missing, is_rate, likeness, named, normal, number, role,
     says_error, sides,
 };
-use super::guess::{are_orders, by_numbers, confirm, of_errors};
-use super::line::{Block, Cells, is_computed};
-use super::{Quantity, TableError};
+use super::guess::{approach_a_limit, are_orders, by_numbers, confirm, of_errors};
+use super::line::{Block, Cells, is_computed, listed};
+use super::{Quantity, Reading, TableError};
 use crate::fit::is_step;
 use files::counted;
 
@@ -23,23 +23,6 @@ const DEEPEST: f64 = 64.0;
 
 /// More columns are no table of a study.
 const MOST_COLUMNS: usize = 1000;
-
-/// What a reader has to know beside the text.
-#[derive(Debug, Clone, PartialEq, Default)]
-pub struct Reading {
-    /// Dimension of the mesh, if sizes are counts of cells or unknowns.
-    pub dimension: Option<u32>,
-    /// Each row refines by it where the table has no sizes; a level does where it has levels.
-    pub ratio: Option<f64>,
-    /// Sizes by the ratio are time steps.
-    pub in_time: bool,
-    /// Columns that tell tables apart.
-    pub by: Vec<String>,
-    /// Rows of one level are runs, and their mean counts.
-    pub runs: bool,
-    /// Columns that are errors, whatever their names.
-    pub errors: Vec<String>,
-}
 
 /// A number of a cell; none where it is missing.
 pub(super) type Entries = Vec<Option<f64>>;
@@ -72,13 +55,6 @@ pub(super) struct Columns {
     pub(super) runs: bool,
     /// What was read and what was not.
     pub(super) said: String,
-}
-
-pub(super) fn listed(names: impl IntoIterator<Item = impl AsRef<str>>) -> String {
-    let names: Vec<String> = names.into_iter().map(|n| format!("`{}`", n.as_ref())).collect();
-    let more = names.len().saturating_sub(8);
-    let rest = if more > 0 { format!(" and {more} more") } else { String::new() };
-    names[..names.len() - more].join(", ") + &rest
 }
 
 struct Reader<'a> {
@@ -119,7 +95,7 @@ impl Columns {
         let runs = reading.runs || reader.roles.contains(&Role::Run);
         let mut sizes = [reader.size(false)?, reader.size(true)?];
         reader.drop_level(&mut sizes);
-        if let Some(measured) = measured.iter().find(|m| are_orders(&block.title, m)) {
+        if let Some(measured) = measured.iter().find(|m| are_orders(&block.title, &m.entries)) {
             let name = measured.norm.as_deref().unwrap_or("error");
             let title = &block.title;
             return fail(format!(
@@ -160,20 +136,6 @@ impl Columns {
         columns.said = reader.said(&columns, &sizes);
         Ok(columns)
     }
-}
-
-/// Numbers that change in one direction, by less from row to row, and by less than half in all. An error that is refined
-/// twice does so only where it stagnates.
-fn approach_a_limit(entries: &[f64]) -> bool {
-    let sizes = || entries.iter().map(|entry| entry.abs());
-    let (least, most) = (sizes().fold(f64::MAX, f64::min), sizes().fold(0.0, f64::max));
-    let mut changes: Vec<f64> = entries.windows(2).map(|pair| pair[1] - pair[0]).collect();
-    // Rows may go from fine to coarse.
-    if changes.len() > 1 && changes[0].abs() < changes[1].abs() {
-        changes.reverse();
-    }
-    let shrinks = |pair: &[f64]| pair[0] * pair[1] > 0.0 && pair[1].abs() < 0.8 * pair[0].abs();
-    changes.len() > 1 && most < 1.5 * least && changes.windows(2).all(shrinks)
 }
 
 impl<'a> Reader<'a> {
@@ -634,9 +596,7 @@ impl<'a> Reader<'a> {
                 Measure::Number => return Ok(1.0 / number),
                 Measure::Length => return Ok(number),
             };
-            let cell =
-                Some(row.cells[at].clone()).filter(|cell| number.is_nan() && cell.contains('x'));
-            let cell = cell.unwrap_or(number.to_string());
+            let cell = if number.is_nan() { row.cells[at].clone() } else { number.to_string() };
             Err(TableError::at(row.line, format!("{name} = {cell} is {why}")))
         };
         numbers.into_iter().zip(&self.block.rows).map(step).collect()

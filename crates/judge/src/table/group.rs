@@ -17,6 +17,23 @@ impl TableError {
     }
 }
 
+/// What a reader has to know beside the text.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Reading {
+    /// Dimension of the mesh, if sizes are counts of cells or unknowns.
+    pub dimension: Option<u32>,
+    /// Each row refines by it where the table has no sizes; a level does where it has levels.
+    pub ratio: Option<f64>,
+    /// Sizes by the ratio are time steps.
+    pub in_time: bool,
+    /// Columns that tell tables apart.
+    pub by: Vec<String>,
+    /// Rows of one level are runs, and their mean counts.
+    pub runs: bool,
+    /// Columns that are errors, whatever their names.
+    pub errors: Vec<String>,
+}
+
 /// What a table measures.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Quantity {

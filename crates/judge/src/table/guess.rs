@@ -2,8 +2,7 @@
 
 use super::Reading;
 use super::cell::{Measure, Role, is_norm, is_size, number};
-use super::columns::{Measured, listed};
-use super::line::{Block, Cells, is_word};
+use super::line::{Block, Cells, is_word, listed};
 
 /// Sizes that a person takes for such refine by one factor, as far as they are printed.
 const FACTORS_DIFFER: f64 = 0.005;
@@ -186,9 +185,23 @@ pub(super) fn of_errors(title: &str) -> bool {
 
 /// Numbers between 0.2 and 15 that change by less than a factor of three, below a line that speaks of rates. An error that is refined
 /// twice changes by more, unless its order is below 0.8.
-pub(super) fn are_orders(title: &str, measured: &Measured) -> bool {
+pub(super) fn are_orders(title: &str, entries: &[Option<f64>]) -> bool {
     let said = ["rate", "order", "eoc", "slope"].iter().any(|w| title.to_lowercase().contains(w));
-    let all = || measured.entries.iter().flatten().copied();
+    let all = || entries.iter().flatten().copied();
     let (least, most) = (all().fold(f64::MAX, f64::min), all().fold(0.0, f64::max));
     said && all().count() > 2 && least > 0.2 && most < 15.0 && most < 3.0 * least
+}
+
+/// Numbers that change in one direction, by less from row to row, and by less than half in all. An error that is refined
+/// twice does so only where it stagnates.
+pub(super) fn approach_a_limit(entries: &[f64]) -> bool {
+    let sizes = || entries.iter().map(|entry| entry.abs());
+    let (least, most) = (sizes().fold(f64::MAX, f64::min), sizes().fold(0.0, f64::max));
+    let mut changes: Vec<f64> = entries.windows(2).map(|pair| pair[1] - pair[0]).collect();
+    // Rows may go from fine to coarse.
+    if changes.len() > 1 && changes[0].abs() < changes[1].abs() {
+        changes.reverse();
+    }
+    let shrinks = |pair: &[f64]| pair[0] * pair[1] > 0.0 && pair[1].abs() < 0.8 * pair[0].abs();
+    changes.len() > 1 && most < 1.5 * least && changes.windows(2).all(shrinks)
 }

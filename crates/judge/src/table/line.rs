@@ -27,6 +27,14 @@ pub(super) struct Block {
     pub(super) filled: Vec<String>,
 }
 
+/// Names in a sentence.
+pub(super) fn listed(names: impl IntoIterator<Item = impl AsRef<str>>) -> String {
+    let names: Vec<String> = names.into_iter().map(|n| format!("`{}`", n.as_ref())).collect();
+    let more = names.len().saturating_sub(8);
+    let rest = if more > 0 { format!(" and {more} more") } else { String::new() };
+    names[..names.len() - more].join(", ") + &rest
+}
+
 impl Block {
     /// Rows below no title, with nothing between them.
     pub(super) fn of_rows(line: u64, names: Vec<String>, rows: Vec<Cells>) -> Self {

@@ -13,8 +13,7 @@ mod read;
 mod text;
 
 pub use cell::named;
-pub use columns::Reading;
-pub use group::{Group, Measurement, Quantity, Row, TableError};
+pub use group::{Group, Measurement, Quantity, Reading, Row, TableError};
 pub use read::{Tables, read};
 
 #[cfg(test)]
