@@ -316,7 +316,7 @@ fn values_under_a_name_of_errors_are_refused() {
     let asked = Reading { errors: vec!["max deflection uz".into()], ..Reading::default() };
     assert!(read(log.as_bytes(), &asked).is_ok());
     // Beside errors values are left out, and an error that stagnates stays one.
-    let both = "h max_stress diff\n0.1 11.2 9.6\n0.05 12.1 2.6\n0.025 12.3 0.7\n";
+    let both = "h max_stress L2\n0.1 11.2 9.6\n0.05 12.1 2.6\n0.025 12.3 0.7\n";
     let found = plain(both, None);
     assert!(found.len() == 1 && found[0].1[2] == (0.025, 0.7), "{found:?}");
     assert!(tables("h,L2\n0.1,0.024\n0.05,0.0238\n0.025,0.0237\n", None).is_ok());
