@@ -99,7 +99,7 @@ const SOLVING: [(&[&str], &str); 9] = [
     ),
     (
         &["extremes", "aspect", "mesh"],
-        "mesh at 1 (other ladders, or none of --long, take less): about ",
+        "mesh at 64 (other ladders, or none of --long, take less): about ",
     ),
 ];
 

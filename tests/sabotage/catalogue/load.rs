@@ -170,8 +170,9 @@ fn other_body_force(mut setup: Setup) -> Setup {
     };
     let other =
         rebuilt(|numbers| numbers.memory = numbers.memory.iter().map(|(l, m)| (-l, -m)).collect());
-    let written = rebuilt(|_| ());
-    setup.exact = Some(Arc::new(Exact { forces: other.forces, ..written }));
+    let mut written = rebuilt(|_| ());
+    written.forces = other.forces;
+    setup.exact = Some(Arc::new(written));
     setup
 }
 
