@@ -4,7 +4,7 @@
 
 use std::path::Path;
 
-use judge::record::{CaseRecord, Key, NormError, Status, V_MAX, V_TIME_MAX};
+use judge::record::{CaseRecord, Key, NormError, Status, V_MAX};
 use judge::verdict::{Decision, Prediction, Variable, Verdict, judge};
 use report::{SceneSummary, write_all, write_junit};
 use serde_json::Value;
@@ -15,10 +15,10 @@ const HORIZON: f64 = 3.0;
 const FINEST: [u32; 2] = [64, 32];
 /// Errors above and below a power in turn, so that intervals are wide enough to be seen on a figure.
 const SCATTER: f64 = 0.02;
-/// The norm and the variable of the one order in each scene, its true and its predicted value.
+/// The norm, whose colour is the first, and the variable of the one order in each scene, its true and its predicted value.
 const SCENES: [(&str, &str, Variable, [f64; 2]); 3] = [
     ("in-space", V_MAX, Variable::H, [1.12, 1.0]),
-    ("in-time", V_TIME_MAX, Variable::K, [1.9, 2.0]),
+    ("in-time", V_MAX, Variable::K, [1.9, 2.0]),
     ("refuted", V_MAX, Variable::H, [1.3, 2.0]),
 ];
 
