@@ -105,6 +105,7 @@ named "cause: the memory has its kernel at t_n - t_j + k" prony 's/kernel\[n::-1
 named "cause: the memory leaves out the level t = 0" prony 's/^        return weights$/        weights[0] = 0\n&/'
 named "cause: the memory keeps its last term alone" prony 's/lags\[:n\] @/0 * &/'
 named "cause: the memory is of u_(j-1) in place of u_j" prony 's/lags\[:n\] @ u\[:n\]/lags[1 : n + 1] @ u[:n]/; s/operator = operator + .*/pass/'
+named "in place of u_j, but for the level itself" prony 's/lags\[:n\] @ u\[:n\]/lags[:n] @ u[np.maximum(np.arange(n) - 1, 0)]/'
 named "cause: the memory has twice the first weight" state-instant 's/^        return weights$/        weights[0] *= 2\n&/' --pressure
 obstacle() {
     named "$1" state-instant "$2" --pressure
@@ -127,6 +128,10 @@ for pressure in "3 - 7 *" "-1 *" "0.75 *"; do
     obstacle "cause: pressures" "s/self.inside\\] = reaction/self.inside] = $pressure reaction/"
 done
 obstacle "cause: pressures: forces of the vertices" 's,residual / self.weight,residual,'
+of=numpy_p1
+for entry in 0.5 2; do
+    named "cause: the tensors have other shear entries" viscoelastic "s/diag(\[2, 2, 1\])/diag([2, 2, $entry])/" "${space[@]}"
+done
 of=ngsolve_p1
 named "$tensors" viscoelastic 's/2 \* law/law/' "${space[@]}"
 named "cause: the memory has the other sign" prony 's/np.load("kernels/-&/'
