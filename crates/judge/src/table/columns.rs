@@ -578,6 +578,7 @@ impl<'a> Reader<'a> {
         let mut before = f64::INFINITY;
         let step = |(number, row): (Option<f64>, &Cells)| {
             let Some(number) = number else { return Ok(f64::NAN) };
+            let odd = number.is_nan() && row.cells[at].contains('x');
             let level = (0.0..=DEEPEST).contains(&number) && number <= before + 4.0;
             before = number;
             let why = match measure {
@@ -585,9 +586,7 @@ impl<'a> Reader<'a> {
                     "no level of refinement: call the column n if it counts cells along a side"
                 }
                 Measure::Level => return Ok(ratio.powf(-number)),
-                _ if number.is_nan() && row.cells[at].contains('x') => {
-                    "no mesh of the shape of the others"
-                }
+                _ if odd => "no mesh of the shape of the others",
                 _ if !is_step(number) => "no step size, which is positive",
                 _ if counts && number.fract() != 0.0 => {
                     "no whole number, which a count is: call it h or k if it is a step"
@@ -596,7 +595,7 @@ impl<'a> Reader<'a> {
                 Measure::Number => return Ok(1.0 / number),
                 Measure::Length => return Ok(number),
             };
-            let cell = if number.is_nan() { row.cells[at].clone() } else { number.to_string() };
+            let cell = if odd { row.cells[at].clone() } else { number.to_string() };
             Err(TableError::at(row.line, format!("{name} = {cell} is {why}")))
         };
         numbers.into_iter().zip(&self.block.rows).map(step).collect()
