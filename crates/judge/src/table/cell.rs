@@ -304,7 +304,7 @@ pub(super) fn role(name: &str) -> Role {
     let measures = || measures.iter().any(|part| normalised.replace("normal", "").contains(part));
     match &*normalised {
         _ if has(RATES) || IGNORED.contains(&*normalised) => Role::Ignored,
-        "" if bars || name.contains(['误', '誤']) || lower.contains("ошиб") => Role::Wide,
+        "" if bars || is_error_elsewhere(name) => Role::Wide,
         "" => Role::Ignored,
         // A logarithm of an error is none, nor is what theory expects.
         _ if normalised.starts_with("log")
@@ -353,17 +353,20 @@ pub(super) fn is_norm(name: &str) -> bool {
     matches!(role(name), Role::Wide | Role::Error | Role::Value)
 }
 
+/// Whether a name says error in Chinese or Russian.
+fn is_error_elsewhere(name: &str) -> bool {
+    name.contains(['误', '誤']) || name.to_lowercase().contains("ошиб")
+}
+
 /// Whether a name speaks of an error or a norm; `max` or `stress` may be those of a result.
 pub(super) fn says_error(name: &str) -> bool {
     let normalised = normal(name);
-    let words = ["err", "norm", "diff", "dist", "rms", "e", "eu", "ep", "eh"];
-    let (parts, whole) = words.split_at(5);
-    parts.iter().any(|part| normalised.contains(part))
-        || whole.contains(&&*normalised)
-        || SPACES.split(' ').any(|space| normalised.contains(space))
-        || name.contains(['|', '‖', '误', '誤'])
+    let mut parts = ["err", "norm", "diff", "dist", "rms"].into_iter().chain(SPACES.split(' '));
+    parts.any(|part| normalised.contains(part))
+        || ["e", "eu", "ep", "eh"].contains(&&*normalised)
+        || name.contains(['|', '‖'])
         || name.contains("Vert")
-        || name.to_lowercase().contains("ошиб")
+        || is_error_elsewhere(name)
 }
 
 pub(super) fn is_rate(name: &str) -> bool {
