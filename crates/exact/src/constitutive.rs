@@ -1,7 +1,7 @@
 //! σ of (5.1) from ε, the memory integrals H_i = ∫ b_i(t-s) ε ds and κ, on full D×D tensors.
 
 use super::exact::MaterialNumbers;
-use super::lanes::Number;
+use super::number::Number;
 
 /// A full second-order tensor.
 pub type Tensor<const D: usize, T = f64> = [[T; D]; D];
@@ -153,9 +153,9 @@ pub fn mandel<const D: usize, const N: usize, T: Number>(tensor: &Tensor<D, T>) 
     numbers
 }
 
-/// The index pairs off the diagonal, in the order of moments.
+/// The index pairs off the diagonal, in the order of moments: behind the diagonal, with the factor √2.
 #[inline(always)]
-const fn off_diagonal(d: usize) -> &'static [(usize, usize)] {
+pub(crate) const fn off_diagonal(d: usize) -> &'static [(usize, usize)] {
     if d == 2 { &[(0, 1)] } else { &[(1, 2), (0, 2), (0, 1)] }
 }
 

@@ -6,7 +6,7 @@ use super::AccumulatedStrain;
 use super::constitutive::{Tensor, full, stress};
 use super::curve::CurveNumbers;
 use super::friction::FrictionFormulas;
-use super::lanes::Number;
+use super::number::Number;
 use super::symbolic;
 use super::zeta_domain::Domain;
 use fem::mesh::{CoarseMesh, Mesh, in_dimension};

@@ -2,6 +2,7 @@
 
 use std::ops::Range;
 
+use super::constitutive::off_diagonal;
 use super::cuts::{Cut, Cuts};
 use super::exact::Exact;
 use super::nodal_force::add_means;
@@ -24,14 +25,13 @@ pub(super) struct Fields<'a> {
 /// u, ε or σ with factors, as [`Projector::split`] takes them.
 type Field<'a> = Vec<(&'a [f64], f64)>;
 
-/// u, ε and σ among the outputs of [`Exact::fields`], tensors in the notation of moments: the diagonal, then √2 times
-/// yz, xz, xy (in the plane xy).
+/// u, ε and σ among the outputs of [`Exact::fields`], tensors in the notation of moments, see [`off_diagonal`].
 fn in_notation_of_moments<'a>(d: usize, values: &[&'a [f64]]) -> [Field<'a>; 3] {
     let (of_pairs, root) = (components(d), std::f64::consts::SQRT_2);
-    let diagonal = (0..of_pairs.len()).filter(|&k| of_pairs[k].0 == of_pairs[k].1);
-    let others = (0..of_pairs.len()).rev().filter(|&k| of_pairs[k].0 != of_pairs[k].1);
-    let order: Vec<(usize, f64)> =
-        diagonal.map(|k| (k, 1.0)).chain(others.map(|k| (k, root))).collect();
+    let diagonal = (0..d).map(|i| ((i, i), 1.0));
+    let pairs = diagonal.chain(off_diagonal(d).iter().map(|&pair| (pair, root)));
+    let place = |pair| of_pairs.iter().position(|known| *known == pair).expect("a pair i ≤ j");
+    let order: Vec<(usize, f64)> = pairs.map(|(pair, factor)| (place(pair), factor)).collect();
     let tensor =
         |first: usize| order.iter().map(|&(k, factor)| (values[first + k], factor)).collect();
     let u = values[..d].iter().map(|values| (*values, 1.0)).collect();

@@ -318,7 +318,8 @@ struct CellFields {
     stress: Vec<f64>,
 }
 
-fn points_of_nodes(space: &Discretization) -> Vec<[f64; 3]> {
+/// The places of all nodes.
+pub fn points_of_nodes(space: &Discretization) -> Vec<[f64; 3]> {
     space.nodes.vertex.iter().map(|&v| space.mesh.point(&[v], &[1.0])).collect()
 }
 

@@ -24,10 +24,10 @@ mod fields;
 mod finite_exact;
 mod friction;
 mod interpolated;
-pub mod lanes;
 pub mod linear;
 pub mod nodal_force;
 mod nodal_strain;
+pub mod number;
 mod on_mesh;
 mod onto;
 mod remainders;
@@ -58,7 +58,7 @@ pub use finite_exact::{
     FiniteData, FiniteExact, FiniteState, FiniteTrace, KernelFormulas, Unresolved,
 };
 pub use friction::{FrictionBound, FrictionFormulas, FrictionOnSide, Sliding};
-pub use interpolated::InterpolatedOnMesh;
+pub use interpolated::{InterpolatedOnMesh, points_of_nodes};
 pub use nodal_strain::NodalStrain;
 pub use on_mesh::ExactOnMesh;
 pub use shapes::Shapes;

@@ -3,7 +3,7 @@
 
 use algebra::in_dimension;
 use exact::constitutive::{Tensor, from_mandel, mandel, stress};
-use exact::lanes::Number;
+use exact::number::Number;
 use exact::{FrictionBound, LawNumbers, MaterialNumbers, Sliding};
 use fem::contact::Discretization;
 use fem::space::StrainPoint;

@@ -2,7 +2,7 @@
 
 use super::NoConstant;
 use super::cells::square_apart;
-use super::sums::{largest_step, nodal, points_of_cells, points_of_nodes, times};
+use super::sums::{largest_step, nodal, points_of_cells, times};
 use algebra::in_dimension;
 use exact::constitutive::{Tensor, full, stress};
 use exact::{ComplianceRule, Exact, InterpolatedOnMesh, NodalStrain};
@@ -56,7 +56,8 @@ impl InterpolationError {
             true => exact.interior.bind(&points),
             false => Program::compile(graph, &exact.strain, horizon).bind(&points),
         };
-        let nodal = Program::compile(graph, &exact.data.u, horizon).bind(&points_of_nodes(&space));
+        let nodal =
+            Program::compile(graph, &exact.data.u, horizon).bind(&exact::points_of_nodes(&space));
         let strains = NodalStrain::new(space.clone(), &rule);
         let of_stress = of_stress.then(|| {
             // The rule affects loads only.

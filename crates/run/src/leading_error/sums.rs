@@ -222,10 +222,6 @@ pub(super) fn points_of_cells(mesh: &Mesh, rule: &Rule) -> Vec<[f64; 3]> {
         .collect()
 }
 
-pub(super) fn points_of_nodes(space: &Discretization) -> Vec<[f64; 3]> {
-    space.nodes.vertex.iter().map(|&vertex| space.mesh.point(&[vertex], &[1.0])).collect()
-}
-
 /// A field at the nodes as a nodal vector.
 pub(super) fn nodal(bound: &mut BoundProgram, space: &Discretization, t: f64) -> Vec<f64> {
     let d = space.mesh.dimension;

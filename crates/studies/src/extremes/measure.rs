@@ -6,8 +6,8 @@ use super::rung::{
 };
 use super::units::{Unitless, Units, difference};
 use algebra::linalg::largest;
+use exact::{ComplianceRule, InterpolatedOnMesh};
 use fem::norms::strain_error;
-use formula::EvaluationPoint;
 use scene::setup::{AbstractSetup, MeshData, Setup, Subject, check_step_sizes};
 use scene::{Scene, Source};
 use vhi::{FixedPoint, StepSolver};
@@ -115,7 +115,7 @@ impl InSpace {
         Ok(Self {
             answer,
             error,
-            interpolation: strain_error(&data.space, &interpolant(&setup, &data), &truth),
+            interpolation: strain_error(&data.space, &interpolant(&setup, &data)?, &truth),
             size: strain_error(&data.space, &nothing, &truth),
         })
     }
@@ -127,17 +127,12 @@ impl InSpace {
 }
 
 /// u at the nodes.
-fn interpolant(setup: &Setup, data: &MeshData) -> Vec<f64> {
-    let Some(exact) = &setup.exact else { return Vec::new() };
-    let (space, mut values) = (&data.space, vec![0.0; data.space.nodes.len()]);
-    for (node, &vertex) in space.nodes.vertex.iter().enumerate() {
-        let [x, y, z] = space.mesh.point(&[vertex], &[1.0]);
-        let at = EvaluationPoint { x, y, z, ..EvaluationPoint::default() };
-        for (i, &component) in exact.data.u.iter().enumerate() {
-            values[2 * node + i] = exact.data.graph.evaluate(component, &at);
-        }
-    }
-    values
+fn interpolant(setup: &Setup, data: &MeshData) -> Result<Vec<f64>> {
+    let Some(exact) = &setup.exact else { return Ok(Vec::new()) };
+    // The rule affects loads only.
+    let rule = ComplianceRule::Vertex;
+    let interpolant = InterpolatedOnMesh::new(exact.clone(), data.space.clone(), rule);
+    Ok(interpolant.displacements(0.0).map_err(Unanswered::refused)?.0)
 }
 
 /// The relative error of a scene in ℝ after so many steps.
