@@ -430,10 +430,6 @@ fn values_are_extrapolated() {
     assert!((number(&found["order_of_last_three"]) - 1.5).abs() < 1e-10);
     let error = 3.0 * 0.02f64.powf(1.5);
     assert!((number(&found["gci"]) / (1.25 * error) - 1.0).abs() < 1e-8);
-    let published = &found["eca_hoekstra"];
-    // Golden section finds the order to the root of the rounding.
-    assert!((number(&published["limit"]) - 2.0).abs() < 1e-6);
-    assert!((number(&published["uncertainty"]) / (1.25 * error) - 1.0).abs() < 1e-4);
     assert_eq!(fitted(&folder, &smooth, &["--p", "1"]).0, 1);
     // Unsorted rows are the same table.
     let mut reversed: Vec<f64> = steps.to_vec();
@@ -507,10 +503,8 @@ fn values_without_a_limit_say_so() {
     let (exit, rows) = fitted(&folder, three, &["--p", "1"]);
     let reason = row(&rows, "h")["reason"].as_str().expect("a reason");
     assert!(exit == 1 && reason.contains("needs 4 different ones: run h = 0.0625"), "{reason}");
-    // GCI and Eça-Hoekstra have three grids, and a verdict four.
-    assert!(
-        row(&rows, "h")["eca_hoekstra"]["limit"].as_f64().is_some_and(|l| (l - 2.0).abs() < 1e-6)
-    );
+    // The index has three grids, and a verdict four.
+    assert!(row(&rows, "h")["extrapolated"].as_f64().is_some_and(|l| (l - 2.0).abs() < 1e-6));
     assert_eq!(fitted(&folder, four, &["--p", "1"]).0, 0);
     let (exit, rows) = fitted(&folder, &format!("{four}0.03125,nan\n"), &["--p", "1"]);
     assert_eq!((exit, &row(&rows, "h")["verdict"]), (1, &"fail".into()));

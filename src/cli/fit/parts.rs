@@ -6,11 +6,11 @@ use std::fmt::Display;
 use super::eoc;
 use files::{counted, digits};
 use judge::fit::{
-    Claim, Correction, Direction, EcaHoekstra, Exclusion, FitError, FittedValue, Further,
-    GridPosterior, Interval, JointFit, JointFits, Known, LARGEST_OTHER_SHARE, LineReading,
-    NotIdentifiable, Point, Posterior, RefinementPath, Sample, Triple, ValueSample, constant_under,
-    eca_hoekstra, fit_constants, infer_grid, infer_values, joint_fits, plain, same_level, samples,
-    screen, student_quantile, value_samples,
+    Claim, Correction, Direction, Exclusion, FitError, FittedValue, Further, GridPosterior,
+    Interval, JointFit, JointFits, Known, LARGEST_OTHER_SHARE, LineReading, NotIdentifiable, Point,
+    Posterior, RefinementPath, Sample, Triple, ValueSample, constant_under, fit_constants,
+    infer_grid, infer_values, joint_fits, plain, same_level, samples, screen, student_quantile,
+    value_samples,
 };
 use judge::table::Group;
 use judge::verdict::Decision;
@@ -553,7 +553,7 @@ fn model(fit: &JointFit) -> Value {
 
 // One direction of a table of values without an exact one.
 
-/// Below this order both published uncertainties are too small in more than one table in twenty.
+/// Below this order the index is too small in more than one table in twenty.
 const LOW_ORDER: f64 = 0.75;
 
 /// All results for the values, coarse to fine.
@@ -561,7 +561,6 @@ struct Findings {
     samples: Vec<ValueSample>,
     last_three: Option<Triple>,
     order: Result<Posterior, FitError>,
-    estimate: Option<EcaHoekstra>,
 }
 
 /// The extrapolated value in one direction; None if it is neither refined nor predicted.
@@ -596,10 +595,7 @@ pub(super) fn values_part(group: &Group, direction: Direction, asked: Asked) -> 
 impl Findings {
     fn of(samples: Vec<ValueSample>, asked: Asked) -> Self {
         let last_three = samples.last_chunk().map(|three| Triple::of(*three));
-        // Diverging values have no limit.
-        let diverges = matches!(last_three, Some(Triple::Diverging { .. }));
-        let estimate = eca_hoekstra(&samples).filter(|_| !diverges);
-        Self { last_three, order: infer_values(&samples, asked.noise), estimate, samples }
+        Self { last_three, order: infer_values(&samples, asked.noise), samples }
     }
 
     fn answer(&self, name: &str, asked: Asked, order: f64) -> Answer {
@@ -627,19 +623,19 @@ impl Findings {
         }
     }
 
-    /// A warning where the published uncertainties are unreliable.
+    /// A warning where the index is unreliable.
     fn caution(&self) -> Option<String> {
         let differences = self.samples.windows(2).map(|pair| pair[0].value - pair[1].value);
         let differences: Vec<f64> = differences.collect();
         let turns = differences.windows(2).any(|pair| pair[0] * pair[1] < 0.0);
         let order = self.last_three.and_then(Triple::order);
         match order {
-            _ if turns => Some(
-                "the values rise and fall: extrapolation, GCI and Eça-Hoekstra miss their 95 % there".into(),
-            ),
-            Some(order) if order < LOW_ORDER => Some(format!(
-                "order {order:.2}: below {LOW_ORDER} GCI and Eça-Hoekstra miss their 95 %"
-            )),
+            _ if turns => {
+                Some("the values rise and fall: extrapolation and GCI miss their 95 % there".into())
+            }
+            Some(order) if order < LOW_ORDER => {
+                Some(format!("order {order:.2}: below {LOW_ORDER} GCI misses its 95 %"))
+            }
             _ => None,
         }
     }
@@ -665,15 +661,6 @@ fn values_text(findings: &Findings, name: &str, verdict: &str) -> String {
     if let Ok(found) = &findings.order {
         lines.push(format!("   order {:.3} in {} over {grids}", found.order, found.interval));
     }
-    lines.extend(findings.estimate.map(|found| {
-        format!(
-            "   Eça-Hoekstra: {}, uncertainty {:.2e} on the finest, expansion {}, factor {}",
-            digits(found.fit.limit, 11),
-            found.uncertainty,
-            String::from(found.fit.expansion),
-            found.safety
-        )
-    }));
     lines.extend(findings.caution().map(|words| format!("   caution: {words}")));
     if !verdict.is_empty() {
         lines.push(format!("   {verdict}"));
@@ -703,7 +690,6 @@ fn values_object(found: Option<&Findings>, name: &str, answer: Option<&Answer>) 
         "gci": gci,
         "half_range": half_range,
         "caution": found.and_then(Findings::caution),
-        "eca_hoekstra": found.and_then(|found| found.estimate),
         "next": next(answer),
         "points_used": found.map(|found| {
             let plain = |sample: &ValueSample| json!({name: sample.step, "value": sample.value});

@@ -6,7 +6,6 @@
 
 mod against_reference;
 mod decision;
-mod eca_hoekstra;
 mod error;
 mod further;
 mod grid_fit;
@@ -31,7 +30,6 @@ mod values;
 
 pub use against_reference::{AgainstReference, against_reference};
 pub use decision::Decision;
-pub use eca_hoekstra::{EcaHoekstra, Expansion, ExpansionFit, eca_hoekstra};
 pub use error::FitError;
 use error::power_of_log;
 pub use further::{Further, plain};
