@@ -18,6 +18,21 @@ impl Rule {
         Self { points: vec![vec![share; dimension + 1]], weights: vec![1.0] }
     }
 
+    /// The rule with all images of some points, by the symmetries of the simplex.
+    pub(super) fn symmetric(orbits: &[Orbit]) -> Self {
+        let (mut points, mut weights) = (Vec::new(), Vec::new());
+        for (weight, first) in orbits {
+            for image in orders(first) {
+                // Where coordinates are the same, so are images.
+                if !points.contains(&image) {
+                    points.push(image);
+                    weights.push(*weight);
+                }
+            }
+        }
+        Self { points, weights }
+    }
+
     /// The largest distance from the mean of a product of `degree` barycentric coordinates: zero if the rule is exact for
     /// all polynomials of this degree.
     #[cfg(test)]
@@ -29,6 +44,22 @@ impl Rule {
             off.iter_mut().zip(monomials(degree, b)).for_each(|(off, term)| *off -= weight * term);
         }
         algebra::linalg::largest(&off)
+    }
+}
+
+/// The weight of each image of a point of a simplex, and the barycentric coordinates of one.
+pub(super) type Orbit = (f64, Vec<f64>);
+
+/// Some numbers in all orders.
+fn orders(numbers: &[f64]) -> Vec<Vec<f64>> {
+    let with_first = |first: usize| {
+        let mut others = numbers.to_vec();
+        let first = others.remove(first);
+        orders(&others).into_iter().map(move |others| [vec![first], others].concat())
+    };
+    match numbers {
+        [] => vec![Vec::new()],
+        _ => (0..numbers.len()).flat_map(with_first).collect(),
     }
 }
 

@@ -1,12 +1,13 @@
 //! Rules on tetrahedra.
 
-use super::Rule;
+use super::rule::{Orbit, Rule};
 
-/// A symmetric orbit of tetrahedron points: (a, a, a, 1-3a), (a, a, ½-a, ½-a) or (a, a, b, 1-2a-b).
-enum SpatialOrbit {
-    Four { weight: f64, a: f64 },
-    Six { weight: f64, a: f64 },
-    Twelve { weight: f64, a: f64, b: f64 },
+fn four(weight: f64, a: f64) -> Orbit {
+    (weight, vec![1.0 - 3.0 * a, a, a, a])
+}
+
+fn six(weight: f64, a: f64) -> Orbit {
+    (weight, vec![a, a, 0.5 - a, 0.5 - a])
 }
 
 /// Tetrahedron rule of 4 points, exact for degree 2: where quadratic elements have their strains, near the corners.
@@ -14,7 +15,7 @@ enum SpatialOrbit {
 /// Source: P. C. Hammer, A. H. Stroud, Numerical integration over simplexes, Math. Tables Aids Comput. 10 (1956).
 pub fn tetrahedron_degree_2() -> Rule {
     // 1 - 3a at its corner is 1/√5 more than a.
-    tetrahedron(&[SpatialOrbit::Four { weight: 0.25, a: 0.25 * (1.0 - 0.2f64.sqrt()) }])
+    Rule::symmetric(&[four(0.25, 0.25 * (1.0 - 0.2f64.sqrt()))])
 }
 
 /// Tetrahedron rule of 14 points, exact for degree 5: the rule of loads given or in strong form.
@@ -22,10 +23,10 @@ pub fn tetrahedron_degree_2() -> Rule {
 /// Source: the rule of this symmetry with positive weights, N. J. Walkington, Quadrature on simplices of
 /// arbitrary dimension (2000).
 pub fn tetrahedron_degree_5() -> Rule {
-    tetrahedron(&[
-        SpatialOrbit::Four { weight: 0.112_687_925_718_015_85, a: 0.310_885_919_263_300_6 },
-        SpatialOrbit::Four { weight: 0.073_493_043_116_361_95, a: 0.092_735_250_310_891_23 },
-        SpatialOrbit::Six { weight: 0.042_546_020_777_081_466, a: 0.045_503_704_125_649_65 },
+    Rule::symmetric(&[
+        four(0.112_687_925_718_015_85, 0.310_885_919_263_300_6),
+        four(0.073_493_043_116_361_95, 0.092_735_250_310_891_23),
+        six(0.042_546_020_777_081_466, 0.045_503_704_125_649_65),
     ])
 }
 
@@ -34,46 +35,13 @@ pub fn tetrahedron_degree_5() -> Rule {
 /// Source: P. Keast, Moderate-degree tetrahedral quadrature formulas, Comput. Methods Appl. Mech. Engrg. 55 (1986),
 /// rule 7; its digits from the moment equations, solved anew.
 pub fn tetrahedron_degree_6() -> Rule {
-    tetrahedron(&[
-        SpatialOrbit::Four { weight: 0.039_922_750_258_167_49, a: 0.214_602_871_259_152_03 },
-        SpatialOrbit::Four { weight: 0.010_077_211_055_320_643, a: 0.040_673_958_534_611_35 },
-        SpatialOrbit::Four { weight: 0.055_357_181_543_654_72, a: 0.322_337_890_142_275_5 },
-        SpatialOrbit::Twelve {
-            weight: 27.0 / 560.0,
-            a: 0.063_661_001_875_017_53,
-            b: 0.269_672_331_458_315_8,
-        },
+    let [a, b] = [0.063_661_001_875_017_53, 0.269_672_331_458_315_8];
+    Rule::symmetric(&[
+        four(0.039_922_750_258_167_49, 0.214_602_871_259_152_03),
+        four(0.010_077_211_055_320_643, 0.040_673_958_534_611_35),
+        four(0.055_357_181_543_654_72, 0.322_337_890_142_275_5),
+        (27.0 / 560.0, vec![b, 1.0 - 2.0 * a - b, a, a]),
     ])
-}
-
-fn tetrahedron(orbits: &[SpatialOrbit]) -> Rule {
-    let (mut points, mut weights) = (Vec::new(), Vec::new());
-    let mut put = |weight: f64, others: f64, corners: &[(usize, f64)]| {
-        let mut point = vec![others; 4];
-        corners.iter().for_each(|&(corner, value)| point[corner] = value);
-        points.push(point);
-        weights.push(weight);
-    };
-    for orbit in orbits {
-        match *orbit {
-            SpatialOrbit::Four { weight, a } => {
-                (0..4).for_each(|p| put(weight, a, &[(p, 1.0 - 3.0 * a)]));
-            }
-            SpatialOrbit::Six { weight, a } => {
-                for p in 0..4 {
-                    (p + 1..4).for_each(|q| put(weight, 0.5 - a, &[(p, a), (q, a)]));
-                }
-            }
-            SpatialOrbit::Twelve { weight, a, b } => {
-                for p in 0..4 {
-                    for q in (0..4).filter(|&q| q != p) {
-                        put(weight, a, &[(p, b), (q, 1.0 - 2.0 * a - b)]);
-                    }
-                }
-            }
-        }
-    }
-    Rule { points, weights }
 }
 
 /// Tetrahedron rule of `count`³ points, exact for degree 2·count - 1: Gauss points of the cube, of which one face is

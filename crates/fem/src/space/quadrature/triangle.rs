@@ -2,22 +2,19 @@
 //!
 //! Source: Dunavant, Int. J. Numer. Meth. Eng. 21 (1985).
 
-use super::{Rule, gauss_legendre};
-
-/// The weight of a symmetric orbit of triangle points, and the barycentric coordinates of its first.
-type Orbit = (f64, [f64; 3]);
+use super::rule::{Orbit, Rule, gauss_legendre};
 
 fn three(weight: f64, a: f64) -> Orbit {
-    (weight, [a, a, 1.0 - 2.0 * a])
+    (weight, vec![a, a, 1.0 - 2.0 * a])
 }
 
 fn six(weight: f64, a: f64, b: f64) -> Orbit {
-    (weight, [a, b, 1.0 - a - b])
+    (weight, vec![a, b, 1.0 - a - b])
 }
 
 /// Triangle rule of 3 points, exact for degree 2: where the strains of quadratic elements live.
 pub fn triangle_degree_2() -> Rule {
-    let rule = triangle(&[three(1.0 / 3.0, 1.0 / 6.0)]);
+    let rule = Rule::symmetric(&[three(1.0 / 3.0, 1.0 / 6.0)]);
     // The first point is the one near the first corner.
     let points = [2, 1, 0].map(|a| rule.points[a].clone()).to_vec();
     Rule { points, ..rule }
@@ -25,7 +22,7 @@ pub fn triangle_degree_2() -> Rule {
 
 /// Triangle rule of 6 points, exact for degree 4: the rule of loads given or in strong form.
 pub fn triangle_degree_4() -> Rule {
-    triangle(&[
+    Rule::symmetric(&[
         three(0.223_381_589_678_011_47, 0.445_948_490_915_964_9),
         three(0.109_951_743_655_321_87, 0.091_576_213_509_770_74),
     ])
@@ -33,7 +30,7 @@ pub fn triangle_degree_4() -> Rule {
 
 /// Triangle rule of 12 points, exact for degree 6: the rule of the errors, and of σ in loads.
 pub fn triangle_degree_6() -> Rule {
-    triangle(&[
+    Rule::symmetric(&[
         three(0.116_786_275_726_379_37, 0.249_286_745_170_910_42),
         three(0.050_844_906_370_206_82, 0.063_089_014_491_502_23),
         six(0.082_851_075_618_373_58, 0.053_145_049_844_816_95, 0.310_352_451_033_784_4),
@@ -42,27 +39,13 @@ pub fn triangle_degree_6() -> Rule {
 
 /// Triangle rule of 16 points, exact for degree 8: what the rule of the errors is compared with.
 pub fn triangle_degree_8() -> Rule {
-    triangle(&[
-        (0.144_315_607_677_787_17, [1.0 / 3.0; 3]),
+    Rule::symmetric(&[
+        (0.144_315_607_677_787_17, vec![1.0 / 3.0; 3]),
         three(0.095_091_634_267_284_62, 0.459_292_588_292_723_1),
         three(0.103_217_370_534_718_24, 0.170_569_307_751_760_2),
         three(0.032_458_497_623_198_08, 0.050_547_228_317_030_98),
         six(0.027_230_314_174_434_994, 0.263_112_829_634_638_1, 0.008_394_777_409_957_605),
     ])
-}
-
-fn triangle(orbits: &[Orbit]) -> Rule {
-    let (mut points, mut weights) = (Vec::new(), Vec::new());
-    for &(weight, [a, b, c]) in orbits {
-        for image in [[a, b, c], [a, c, b], [b, a, c], [b, c, a], [c, a, b], [c, b, a]] {
-            // Where coordinates are the same, so are images.
-            if !points.contains(&image.to_vec()) {
-                points.push(image.to_vec());
-                weights.push(weight);
-            }
-        }
-    }
-    Rule { points, weights }
 }
 
 /// Triangle rule of `count`² points, exact for degree 2·count - 2: Gauss points of the square, of which
