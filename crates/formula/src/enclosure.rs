@@ -331,21 +331,17 @@ fn real_power(a: Interval, b: Interval) -> Enclosure {
     Enclosure { undefined, ..Enclosure::of(Interval::new(range.low.max(0.0), range.high)) }
 }
 
-/// A function that grows, by its values at the ends; `exact` where it has a value without rounding.
-fn growing(function: Function, a: Interval, exact: f64) -> Interval {
-    let at = |end: f64| {
-        let value = function.value(end);
-        if end == exact { Interval::point(value) } else { Interval::widened(value, value) }
-    };
-    Interval::new(at(a.low).low, at(a.high).high)
-}
-
 fn applied(function: Function, a: Interval) -> Enclosure {
-    let cut = |low: f64, high: f64| {
-        (
-            Interval::new(a.low.clamp(low, high), a.high.clamp(low, high)),
-            a.low < low || a.high > high,
-        )
+    const ALL: [f64; 2] = [f64::NEG_INFINITY, f64::INFINITY];
+    let cut = |end: f64, [low, high]: [f64; 2]| end.clamp(low, high);
+    // A function that grows: where it has values, what these lie between, and where one of them is without rounding.
+    let growing = |a: Interval, domain: [f64; 2], values: [f64; 2], exact: f64| {
+        let [low, high] = [a.low, a.high].map(|end| {
+            let (end, value) = (cut(end, domain), function.value(cut(end, domain)));
+            if end == exact { Interval::point(value) } else { Interval::widened(value, value) }
+        });
+        let range = Interval::new(cut(low.low, values), cut(high.high, values));
+        Enclosure { undefined: a.low < domain[0] || a.high > domain[1], ..Enclosure::of(range) }
     };
     let wave = |shift: f64| {
         // The places π/2 + nπ where the function is ±1, with room for the rounding of π and of the ends.
@@ -386,50 +382,30 @@ fn applied(function: Function, a: Interval) -> Enclosure {
         Function::Tan => {
             let (up, down) = wave(0.0);
             let pole = far || up || down;
-            Enclosure::of(if pole { Interval::ALL } else { growing(function, a, 0.0) })
+            if pole { Enclosure::of(Interval::ALL) } else { growing(a, ALL, ALL, 0.0) }
         }
-        Function::Asin => {
-            let (inside, undefined) = cut(-1.0, 1.0);
-            Enclosure { undefined, ..Enclosure::of(growing(function, inside, 0.0)) }
-        }
+        Function::Asin => growing(a, [-1.0, 1.0], ALL, 0.0),
+        Function::Cosh => growing(a.abs(), ALL, [1.0, f64::INFINITY], 0.0),
+        Function::Tanh => growing(a, ALL, [-1.0, 1.0], 0.0),
+        Function::Exp => growing(a, ALL, [0.0, f64::INFINITY], 0.0),
+        Function::Atan | Function::Sinh | Function::ExpMinusOne => growing(a, ALL, ALL, 0.0),
+        Function::Log => growing(a, [0.0, f64::INFINITY], ALL, 1.0),
         Function::Acos => {
-            let (inside, undefined) = cut(-1.0, 1.0);
-            let at = |end: f64| Interval::widened(end.acos(), end.acos());
-            let range = Interval::new(at(inside.high).low.max(0.0), at(inside.low).high);
-            Enclosure { undefined, ..Enclosure::of(range) }
-        }
-        Function::Cosh => {
-            let size = a.abs();
-            let range = Interval::new(
-                growing(function, size, 0.0).low.max(1.0),
-                growing(function, size, 0.0).high,
-            );
-            Enclosure::of(range)
-        }
-        Function::Tanh => {
-            let range = growing(function, a, 0.0);
-            Enclosure::of(Interval::new(range.low.max(-1.0), range.high.min(1.0)))
-        }
-        Function::Exp => {
-            let range = growing(function, a, 0.0);
-            Enclosure::of(Interval::new(range.low.max(0.0), range.high))
-        }
-        Function::Atan | Function::Sinh | Function::ExpMinusOne => {
-            Enclosure::of(growing(function, a, 0.0))
-        }
-        Function::Log => {
-            let (inside, undefined) = cut(0.0, f64::INFINITY);
-            Enclosure { undefined, ..Enclosure::of(growing(function, inside, 1.0)) }
+            let at = |end: f64| {
+                let value = cut(end, [-1.0, 1.0]).acos();
+                Interval::widened(value, value)
+            };
+            let range = Interval::new(at(a.high).low.max(0.0), at(a.low).high);
+            Enclosure { undefined: a.low < -1.0 || a.high > 1.0, ..Enclosure::of(range) }
         }
         Function::Sqrt => {
-            let (inside, undefined) = cut(0.0, f64::INFINITY);
             let at = |end: f64| {
-                let root = end.sqrt();
+                let root = end.max(0.0).sqrt();
                 let exact = end.is_infinite() || (end > SMALL && root.mul_add(root, -end) == 0.0);
-                if end == 0.0 || exact { Interval::point(root) } else { around(root, f64::NAN) }
+                if root == 0.0 || exact { Interval::point(root) } else { around(root, f64::NAN) }
             };
-            let range = Interval::new(at(inside.low).low, at(inside.high).high);
-            Enclosure { undefined, ..Enclosure::of(range) }
+            let range = Interval::new(at(a.low).low, at(a.high).high);
+            Enclosure { undefined: a.low < 0.0, ..Enclosure::of(range) }
         }
         Function::Abs => Enclosure::of(a.abs()),
         Function::Sign => {
