@@ -4,7 +4,7 @@
 use super::curve::CurveNumbers;
 use super::exact::LawNumbers;
 use super::sign_changes::sign_changes;
-use fem::space::quadrature::{gauss_legendre, triangle_degree_4};
+use fem::space::quadrature::{Rule, edge, triangle_degree_4};
 
 /// The scheme's quadrature of ∂j_ν(u_ν - s) v_ν on Γ3.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -65,62 +65,50 @@ impl LawNumbers {
     }
 }
 
-/// Means over one edge of c p(u_ν - s) times the two hat functions; `normal` are the end values of u_ν, `shift` is s
-/// and `scale` is c by barycentric coordinates. None for the vertex rule, which is not a facet integral.
-pub(crate) fn edge_moments(
+/// Means over an edge or a triangle of c p(u_ν - s) times its hat functions; `normal` are the values of u_ν at its corners,
+/// `shift` is s and `scale` is c by barycentric coordinates. The vertex rule is no integral over facets, and the exact one is
+/// for edges: scenes in space that ask for it are refused.
+pub(crate) fn facet_moments(
     law: &LawNumbers,
     rule: ComplianceRule,
-    normal: [f64; 2],
-    shift: impl Fn(&[f64]) -> f64,
-    scale: impl Fn(&[f64]) -> f64,
-) -> [f64; 2] {
-    let argument = |x: f64| normal[0] + x * (normal[1] - normal[0]) - shift(&[1.0 - x, x]);
-    let mut cuts = vec![0.0, 1.0];
-    if rule == ComplianceRule::Exact {
-        cuts.extend(sign_changes(0.0, 1.0, WATCHES, |places| {
-            let offsets =
-                |kink: f64| -> Vec<f64> { places.iter().map(|&x| argument(x) - kink).collect() };
-            law.kinks().into_iter().map(offsets).collect()
-        }));
-        cuts.sort_by(f64::total_cmp);
-    }
-    // The scheme's Gauss rule has 3 points; the exact one takes 8 per piece, as s may be curved, and 32 if p is: for
-    // rational p they leave 1e-14 while u_ν - s ranges over 4 r0 on a piece.
-    let count = match (rule, law.curve) {
-        (ComplianceRule::Exact, None) => 8,
-        (ComplianceRule::Exact, Some(_)) => 32,
-        _ => 3,
-    };
-    let mut moments = [0.0; 2];
-    for pair in cuts.windows(2) {
-        let (middle, half) = (0.5 * (pair[0] + pair[1]), 0.5 * (pair[1] - pair[0]));
-        for &(x, weight) in gauss_legendre(count) {
-            let place = middle + half * x;
-            let value =
-                half * weight * scale(&[1.0 - place, place]) * law.pressure(argument(place));
-            moments[0] += value * (1.0 - place);
-            moments[1] += value * place;
-        }
-    }
-    moments
-}
-
-/// Moments of the compliance on a triangle by the Gauss rule of the scheme, of degree 4; `shift` and `scale` take
-/// barycentric coordinates. The exact rule is for edges only; scenes in space that ask for it are refused.
-pub(crate) fn triangle_moments(
-    law: &LawNumbers,
     normal: &[f64],
     shift: impl Fn(&[f64]) -> f64,
     scale: impl Fn(&[f64]) -> f64,
 ) -> Vec<f64> {
-    let rule = triangle_degree_4();
-    let mut moments = vec![0.0; 3];
+    let argument = |b: &[f64]| b.iter().zip(normal).map(|(b, u)| b * u).sum::<f64>() - shift(b);
+    let rule = match (normal.len(), rule) {
+        (2, ComplianceRule::Exact) => between_kinks(law, |x| argument(&[1.0 - x, x])),
+        (2, _) => edge(3),
+        _ => triangle_degree_4(),
+    };
+    let mut moments = vec![0.0; normal.len()];
     for (b, weight) in rule.points.iter().zip(&rule.weights) {
-        let r: f64 = b.iter().zip(normal).map(|(b, u)| b * u).sum();
-        let value = weight * scale(b) * law.pressure(r - shift(b));
+        let value = weight * scale(b) * law.pressure(argument(b));
         moments.iter_mut().zip(b).for_each(|(moment, b)| *moment += value * b);
     }
     moments
+}
+
+/// Gauss points on the pieces of an edge between the kinks of p, by r along it.
+fn between_kinks(law: &LawNumbers, r: impl Fn(f64) -> f64) -> Rule {
+    let mut cuts = vec![0.0, 1.0];
+    cuts.extend(sign_changes(0.0, 1.0, WATCHES, |places| {
+        let offsets = |kink: f64| places.iter().map(|&x| r(x) - kink).collect();
+        law.kinks().into_iter().map(offsets).collect()
+    }));
+    cuts.sort_by(f64::total_cmp);
+    // 8 per piece, as s may be curved, and 32 if p is: for rational p they leave 1e-14 while u_ν - s ranges over 4 r0 on a
+    // piece.
+    let of_piece = edge(if law.curve.is_some() { 32 } else { 8 });
+    let (mut points, mut weights) = (Vec::new(), Vec::new());
+    for pair in cuts.windows(2) {
+        for (b, weight) in of_piece.points.iter().zip(&of_piece.weights) {
+            let place = b[0] * pair[0] + b[1] * pair[1];
+            points.push(vec![1.0 - place, place]);
+            weights.push((pair[1] - pair[0]) * weight);
+        }
+    }
+    Rule { points, weights }
 }
 
 #[cfg(test)]
@@ -135,11 +123,12 @@ mod tests {
     /// u_ν from 0 to 0.08 on an edge of length 1: p is 0.16 x up to x = ½, then 0.1 - 0.04 x.
     #[test]
     fn a_kink_inside_the_edge_is_integrated_by_the_exact_rule_alone() {
-        let exact = edge_moments(&law(), ComplianceRule::Exact, [0.0, 0.08], |_| 0.0, |_| 1.0);
+        let moments = |rule| facet_moments(&law(), rule, &[0.0, 0.08], |_| 0.0, |_| 1.0);
+        let exact = moments(ComplianceRule::Exact);
         let (rising, falling) = (0.16 / 24.0, 0.1 * 3.0 / 8.0 - 0.04 * 7.0 / 24.0);
         assert!((exact[1] - rising - falling).abs() < 1e-15);
         assert!((exact[0] + exact[1] - 0.02 - 0.035).abs() < 1e-15);
-        let gauss = edge_moments(&law(), ComplianceRule::Gauss, [0.0, 0.08], |_| 0.0, |_| 1.0);
+        let gauss = moments(ComplianceRule::Gauss);
         assert!((gauss[1] - exact[1]).abs() > 1e-4);
     }
 
@@ -152,19 +141,20 @@ mod tests {
         let primitive = |r: f64| 0.0016 * (1.0 + (r / 0.04).powi(2)).ln();
         let expected = (primitive(0.17) - primitive(0.01)) / 0.16;
         let moments = |scale: fn(&[f64]) -> f64| {
-            edge_moments(&law, ComplianceRule::Exact, [0.01, 0.17], |_| 0.0, scale)
+            facet_moments(&law, ComplianceRule::Exact, &[0.01, 0.17], |_| 0.0, scale)
         };
-        let [a, b] = moments(|_| 1.0);
+        let [a, b] = moments(|_| 1.0)[..] else { panic!("two") };
         assert!((a + b - expected).abs() < 1e-15, "{:e}", a + b - expected);
         // A factor x turns the sum into the second moment.
-        let [c, d] = moments(|b| b[1]);
+        let [c, d] = moments(|b| b[1])[..] else { panic!("two") };
         assert!((c + d - b).abs() < 1e-15);
     }
 
     /// p = 2 r with r linear: the mean of p λ_a is 2 (r_a + Σ r)/12.
     #[test]
     fn a_linear_branch_is_integrated_on_triangles() {
-        let found = triangle_moments(&law(), &[0.03, 0.01, 0.02], |_| 0.005, |_| 1.0);
+        let gauss = ComplianceRule::Gauss;
+        let found = facet_moments(&law(), gauss, &[0.03, 0.01, 0.02], |_| 0.005, |_| 1.0);
         for (a, r) in [0.025, 0.005, 0.015].into_iter().enumerate() {
             assert!((found[a] - (r + 0.045) / 6.0).abs() < 1e-16, "{a}: {}", found[a]);
         }
@@ -173,10 +163,10 @@ mod tests {
     #[test]
     fn a_curved_shift_is_resolved() {
         // u_ν - s = 0.08 x², which crosses 0.04 at 1/√2.
-        let found = edge_moments(
+        let found = facet_moments(
             &law(),
             ComplianceRule::Exact,
-            [0.0, 0.0],
+            &[0.0, 0.0],
             |b| -0.08 * b[1] * b[1],
             |_| 1.0,
         );

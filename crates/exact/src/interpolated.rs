@@ -8,7 +8,7 @@ use std::sync::{Arc, OnceLock};
 use super::Sliding;
 use super::constitutive::{self, Tensor, mandel};
 use super::contact_samples::StatePoints;
-use super::edge_compliance::{ComplianceRule, edge_moments, triangle_moments};
+use super::edge_compliance::{ComplianceRule, facet_moments};
 use super::exact::Exact;
 use super::nodal_force::{add_force_along, facet_measure, force_of_means};
 use super::nodal_strain::NodalStrain;
@@ -191,10 +191,7 @@ impl InterpolatedOnMesh {
                 let at = |node: Option<Node>, b: &[f64]| Some(self.on_facet(node?, &vertices, b));
                 let shift = |b: &[f64]| at(contact.and_then(|c| c.shift), b).unwrap_or(0.0);
                 let scale = |b: &[f64]| at(contact.and_then(|c| c.scale), b).unwrap_or(1.0);
-                let moments = match normal[..] {
-                    [a, b] => edge_moments(law, self.rule, [a, b], shift, scale).to_vec(),
-                    _ => triangle_moments(law, &normal, shift, scale),
-                };
+                let moments = facet_moments(law, self.rule, &normal, shift, scale);
                 let size = facet_measure(&self.space.mesh, self.space.trace.mesh_facet[f] as usize);
                 for (&i, moment) in corners.iter().zip(moments) {
                     add_force_along(&self.space, i as usize, side.normal, size * moment, force);
