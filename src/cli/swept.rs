@@ -118,7 +118,7 @@ fn place(plans: &[ScenePlan], name: &str, verdict: Option<&Verdict>) -> Option<A
         Some(index) => format!("predicts.{index}.order"),
         None => "scene.name".to_owned(),
     };
-    let before = &scene.source.text[..scene.spans.value(&key).start];
+    let before = &scene.source.text[..scene.span(&key).start];
     // A scene inside the program has no file to annotate.
     let path = Some(&scene.source.path).filter(|path| path.exists())?;
     let here = std::env::current_dir().ok();

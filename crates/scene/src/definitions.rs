@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use formula::{Graph, Node, Scope};
 
-use super::reading::{Formula, Reading};
+use super::reading::{Formula, Reading, placed};
 use super::source::{Result, SceneError};
 
 /// The named constants; each may use earlier ones.
@@ -70,7 +70,7 @@ fn in_file_order(reading: &Reading, table: &str) -> Result<Vec<(String, String, 
         .into_iter()
         .map(|(name, formula)| (format!("{table}.{name}"), name, formula))
         .collect();
-    entries.sort_by_key(|(key, ..)| reading.spans.key(key).start);
+    entries.sort_by_key(|(key, ..)| placed(reading.table, key).key.start);
     Ok(entries)
 }
 

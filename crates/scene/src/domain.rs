@@ -1,6 +1,6 @@
 //! `[domain]`: the rectangle, box, polygon or mesh file, its named sides, and the mesh family.
 
-use crate::reading::{Reading, Spans};
+use crate::reading::{Reading, placed};
 use crate::source::{Result, SceneError, Source};
 use fem::mesh::{
     CoarseMesh, Family, Family as MeshFamily, Fault, Mesh, PolygonError, REST, lattice, read_gmsh,
@@ -551,7 +551,7 @@ fn refused(reading: &Reading, error: &PolygonError) -> SceneError {
 const LARGEST_FILE: u64 = 64 << 20;
 
 /// Adds the text of the mesh file that the domain names, unless present.
-pub(crate) fn with_mesh(source: Source, spans: &Spans, table: &DeTable<'_>) -> Result<Source> {
+pub(crate) fn with_mesh(source: Source, table: &DeTable<'_>) -> Result<Source> {
     let word = |key| table.get("domain")?.get_ref().get(key)?.get_ref().as_str();
     let (Some("mesh"), Some(file), None) = (word("shape"), word("file"), &source.mesh) else {
         return Ok(source);
@@ -562,7 +562,7 @@ pub(crate) fn with_mesh(source: Source, spans: &Spans, table: &DeTable<'_>) -> R
         Ok(mesh) => Ok(source.with_mesh(mesh)),
         Err((reason, hint)) => {
             let message = format!("cannot read the mesh {}: {reason}", path.display());
-            Err(SceneError::at(&source, spans.value("domain.file"), message, hint))
+            Err(SceneError::at(&source, placed(table, "domain.file").value, message, hint))
         }
     }
 }

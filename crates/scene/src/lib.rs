@@ -34,7 +34,7 @@ pub use friction::Friction;
 pub use law::{Law, Scale};
 pub use material::{Material, Place, Projection, Region};
 pub use memory::{RelaxationTerm, SingularParts};
-pub use reading::{Spans, nearest};
+pub use reading::nearest;
 pub use source::{Inside, Registry, Result, SceneError, Source, TextFault};
 pub use sweep::{Direction, Norm, Prediction, Reference, Sweep};
 pub use time::{Time, TimeGrid, TimeRule};

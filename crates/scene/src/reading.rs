@@ -14,7 +14,6 @@ use toml::de::{DeTable, DeValue, ValueDeserializer};
 
 pub(super) struct Reading<'a> {
     pub source: &'a Source,
-    pub spans: &'a Spans,
     pub table: &'a DeTable<'a>,
     pub violates: Vec<Hypothesis>,
     pub formulas: Graph,
@@ -23,10 +22,9 @@ pub(super) struct Reading<'a> {
 }
 
 impl<'a> Reading<'a> {
-    pub(crate) fn new(source: &'a Source, spans: &'a Spans, table: &'a DeTable<'a>) -> Reading<'a> {
+    pub(crate) fn new(source: &'a Source, table: &'a DeTable<'a>) -> Reading<'a> {
         Reading {
             source,
-            spans,
             table,
             violates: Vec::new(),
             formulas: Graph::new(),
@@ -41,7 +39,7 @@ impl<'a> Reading<'a> {
         message: impl Into<String>,
         hint: impl Into<String>,
     ) -> SceneError {
-        SceneError::at(self.source, self.spans.value(key), message, hint)
+        SceneError::at(self.source, placed(self.table, key).value, message, hint)
     }
 
     /// Refuses what [`Self::error`] underlines if it is at fault.
@@ -62,7 +60,7 @@ impl<'a> Reading<'a> {
         message: impl Into<String>,
         hint: impl Into<String>,
     ) -> SceneError {
-        SceneError::at(self.source, self.spans.key(key), message, hint)
+        SceneError::at(self.source, placed(self.table, key).key, message, hint)
     }
 
     /// An error of something that is missing in the file.
@@ -244,7 +242,7 @@ impl<'a> Reading<'a> {
 
     /// Bytes of a part of a string value; the whole value if it contains escapes.
     fn inside(&self, key: &str, content: &str, part: Range<usize>) -> Range<usize> {
-        let value = self.spans.value(key);
+        let value = placed(self.table, key).value;
         match self.source.text[value.clone()].find(content) {
             Some(offset) if !content.is_empty() => {
                 let start = value.start + offset;
@@ -343,7 +341,7 @@ impl Reading<'_> {
     pub(super) fn optional<T: DeserializeOwned>(&self, key: &str) -> Result<Option<T>> {
         let read = |value: &Spanned<DeValue<'_>>| {
             T::deserialize(ValueDeserializer::from(value.clone()))
-                .map_err(|error| wrong_type(self.source, self.spans, &error))
+                .map_err(|error| wrong_type(self, key, &error))
         };
         self.at(key).map(read).transpose()
     }
@@ -443,13 +441,7 @@ impl Reading<'_> {
     }
 
     fn at(&self, key: &str) -> Option<&Spanned<DeValue<'_>>> {
-        let mut parts = key.split('.');
-        let first = self.table.get(parts.next()?)?;
-        parts.try_fold(first, |value, part| match value.get_ref() {
-            DeValue::Table(table) => table.get(part),
-            DeValue::Array(list) => list.get(part.parse::<usize>().ok()?),
-            _ => None,
-        })
+        placed(self.table, key).found
     }
 }
 
@@ -490,74 +482,34 @@ impl TryFrom<toml::Value> for Formula {
 
 // Positions of the keys of a scene file.
 
-/// Bytes of a key and of its value; for a `[table]`, of its name and its header.
-#[derive(Debug, Clone, PartialEq)]
-struct Place {
-    key: Range<usize>,
-    value: Range<usize>,
+/// Where a dotted name is in a file: `exact.multiplier`, `predicts.0.order`, `sweep.n.2`.
+#[derive(Default)]
+pub(super) struct Placed<'a> {
+    /// Bytes of the key and of its value, of a `[table]` its name and its header; for an absent key those of the nearest part
+    /// that would contain it.
+    pub key: Range<usize>,
+    pub value: Range<usize>,
+    found: Option<&'a Spanned<DeValue<'a>>>,
 }
 
-/// The position of every key, by dotted name: `exact.multiplier`, `predicts.0.order`, `sweep.n.2`.
-#[derive(Debug, Clone, PartialEq, Default)]
-pub struct Spans {
-    places: BTreeMap<String, Place>,
-}
-
-impl Spans {
-    pub(super) fn of(table: &DeTable<'_>) -> Spans {
-        let mut spans = Spans::default();
-        spans.enter_table("", table);
-        spans
-    }
-
-    /// Bytes of the value at a dotted key; for an absent key, of the nearest containing part.
-    pub fn value(&self, key: &str) -> Range<usize> {
-        self.nearest_place(key).map_or(0..0, |place| place.value.clone())
-    }
-
-    /// Bytes of the key itself, or of the nearest containing part.
-    pub(crate) fn key(&self, key: &str) -> Range<usize> {
-        self.nearest_place(key).map_or(0..0, |place| place.key.clone())
-    }
-
-    /// The dotted name of the table whose header, or inline value, occupies exactly these bytes.
-    pub(super) fn name_at(&self, value: &Range<usize>) -> Option<&str> {
-        self.places
-            .iter()
-            .filter(|(_, place)| place.value == *value)
-            .map(|(name, _)| name.as_str())
-            .max_by_key(|name| name.len())
-    }
-
-    fn nearest_place(&self, key: &str) -> Option<&Place> {
-        let mut name = key;
-        loop {
-            if let Some(place) = self.places.get(name) {
-                return Some(place);
+pub(super) fn placed<'a>(table: &'a DeTable<'a>, key: &str) -> Placed<'a> {
+    let in_table = |table: &'a DeTable<'a>, part: &str| {
+        table.get_key_value(part).map(|(key, value)| (key.span(), value))
+    };
+    let mut placed = Placed::default();
+    for (depth, part) in key.split('.').enumerate() {
+        let next = match placed.found.take().map(Spanned::get_ref) {
+            None if depth == 0 => in_table(table, part),
+            Some(DeValue::Table(table)) => in_table(table, part),
+            Some(DeValue::Array(list)) => {
+                part.parse().ok().and_then(|index: usize| list.get(index)).map(|v| (v.span(), v))
             }
-            name = &name[..name.rfind('.')?];
-        }
+            _ => None,
+        };
+        let Some((key, value)) = next else { break };
+        placed = Placed { key, value: value.span(), found: Some(value) };
     }
-
-    fn enter_table(&mut self, parent: &str, table: &DeTable<'_>) {
-        for (key, value) in table {
-            let name = join(parent, key.get_ref());
-            self.enter_value(name, key.span(), value);
-        }
-    }
-
-    fn enter_value(&mut self, name: String, key: Range<usize>, value: &Spanned<DeValue<'_>>) {
-        match value.get_ref() {
-            DeValue::Table(table) => self.enter_table(&name, table),
-            DeValue::Array(array) => {
-                for (index, item) in array.iter().enumerate() {
-                    self.enter_value(join(&name, &index.to_string()), item.span(), item);
-                }
-            }
-            _ => {}
-        }
-        self.places.insert(name, Place { key, value: value.span() });
-    }
+    placed
 }
 
 pub(super) fn join(parent: &str, key: &str) -> String {
@@ -633,9 +585,13 @@ pub(super) fn missing_key(reading: &Reading, key: &str) -> SceneError {
 }
 
 /// A value of another type than that of its key.
-pub(super) fn wrong_type(source: &Source, spans: &Spans, error: &toml::de::Error) -> SceneError {
+fn wrong_type(reading: &Reading, key: &str, error: &toml::de::Error) -> SceneError {
     let (span, message) = (error.span().unwrap_or_default(), error.message());
-    let name = spans.name_at(&span);
+    // The value at the key, or an entry of it.
+    let entries = (0..).map(|i| format!("{key}.{i}")).take_while(|name| reading.has(name));
+    let mut names = std::iter::once(key.to_owned()).chain(entries);
+    let name = names.find(|name| placed(reading.table, name).value == span);
+    let name = name.as_deref();
     let hint = name.and_then(example).map_or_else(
         || "numbers stand bare, formulas and names in quotes".to_string(),
         |line| format!("for instance: {line}"),
@@ -650,7 +606,7 @@ pub(super) fn wrong_type(source: &Source, spans: &Spans, error: &toml::de::Error
         }
         None => message.to_string(),
     };
-    SceneError::at(source, span, message, hint)
+    SceneError::at(reading.source, span, message, hint)
 }
 
 fn plain_type(name: &str) -> String {

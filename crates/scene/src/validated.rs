@@ -9,7 +9,7 @@ use super::friction::{BOUNDS, Friction};
 use super::law::{LAWS, Law};
 use super::material::{Material, TENSORS};
 use super::memory::{KERNELS, needs_product_integration, needs_repeated_rule};
-use super::reading::{Kinds, Reading, Spans, of_any, syntax};
+use super::reading::{Kinds, Reading, of_any, placed, syntax};
 use super::source::{Result, SceneError, Source};
 use super::sweep::{Prediction, Sweep, serves, states_are_known};
 use super::time::{GRIDS, Time, TimeRule};
@@ -40,7 +40,6 @@ pub struct Scene {
     pub window_steps: Option<[u32; 2]>,
     pub violates: Vec<Hypothesis>,
     pub source: Source,
-    pub spans: Spans,
     pub time: Time,
     pub body: Body,
     pub predicts: Vec<Prediction>,
@@ -133,9 +132,8 @@ impl Scene {
         let text = source.text.clone();
         let table = DeTable::parse(&text).map_err(|error| syntax(&source, &error))?;
         let table = table.get_ref();
-        let spans = Spans::of(table);
-        let source = with_mesh(source, &spans, table)?;
-        let mut reading = Reading::new(&source, &spans, table);
+        let source = with_mesh(source, table)?;
+        let mut reading = Reading::new(&source, table);
         let kind = SceneKind::validate(&reading)?;
         refuse_unknown(&reading, kind)?;
         let name = name(&reading)?;
@@ -167,7 +165,6 @@ impl Scene {
             window_steps,
             violates,
             source,
-            spans,
             time,
             body,
             predicts,
@@ -177,8 +174,9 @@ impl Scene {
     }
 
     /// Bytes of the value at a dotted key (`exact.multiplier`), or of the part that would contain it.
-    pub(crate) fn span(&self, key: &str) -> Range<usize> {
-        self.spans.value(key)
+    pub fn span(&self, key: &str) -> Range<usize> {
+        let table = DeTable::parse(&self.source.text);
+        table.map_or(0..0, |table| placed(table.get_ref(), key).value)
     }
 
     /// Refuses what [`Self::error`] underlines if it is at fault.
