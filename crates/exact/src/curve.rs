@@ -1,6 +1,6 @@
 //! Curved laws of the manufactured side: as formulas, and as numbers for edge integrals.
 
-use formula::{Function, Graph, Node};
+use formula::{Graph, Node};
 
 /// p(r) for r > 0, zero for r ≤ 0; all numbers are positive.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -15,36 +15,18 @@ pub enum CurveNumbers {
 
 impl CurveNumbers {
     pub(super) fn formula(&self, graph: &mut Graph, r: Node) -> Node {
-        let zero = graph.constant(0.0);
-        let positive = match *self {
+        let (text, numbers) = match *self {
             Self::Rational { c, r0 } => {
-                let (top, square) = (graph.constant(c * r0 * r0), graph.constant(r0 * r0));
-                let (r_squared, above) = (graph.powi(r, 2), graph.mul(top, r));
-                let below = graph.add(square, r_squared);
-                graph.div(above, below)
+                ("top*r/(square + r^2)", vec![("top", c * r0 * r0), ("square", r0 * r0)])
             }
-            Self::Exponential { c, r0 } => {
-                let (c, r0) = (graph.constant(c), graph.constant(r0));
-                let (rise, ratio) = (graph.mul(c, r), graph.div(r, r0));
-                let growth = graph.apply(Function::Exp, ratio);
-                graph.div(rise, growth)
-            }
-            Self::Power { c, m, r1 } => {
-                let (end, exponent) = (graph.constant(r1), graph.constant(m));
-                let (top, factor) = (graph.constant(c * r1.powf(m)), graph.constant(c));
-                // Powers of negative numbers are undefined: the branch r < 0 is chosen below.
-                let base = graph.max(r, zero);
-                let power = graph.pow(base, exponent);
-                let inner = graph.mul(factor, power);
-                let (one, ratio) = (graph.constant(1.0), graph.div(r, end));
-                let beyond = graph.sub(ratio, one);
-                let rise = graph.mul(exponent, beyond);
-                let line = graph.add(one, rise);
-                let outer = graph.mul(top, line);
-                graph.select_less(r, end, inner, outer)
-            }
+            Self::Exponential { c, r0 } => ("c*r/exp(r/r0)", vec![("c", c), ("r0", r0)]),
+            Self::Power { c, m, r1 } => (
+                // Powers of negative numbers are undefined, although another branch is taken there.
+                "if(r < r1, c*max(r, 0)^m, end*(1 + m*(r/r1 - 1)))",
+                vec![("c", c), ("m", m), ("r1", r1), ("end", c * r1.powf(m))],
+            ),
         };
-        graph.select_less(zero, r, positive, zero)
+        graph.written(&format!("if(r > 0, {text}, 0)"), &[("r", r)], &numbers)
     }
 
     /// p(r).

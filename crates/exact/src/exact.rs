@@ -379,13 +379,7 @@ pub struct BoundaryFormulas {
 
 /// a·u.
 pub(super) fn normal_component(graph: &mut Graph, u: &[Node], normal: &[f64]) -> Node {
-    let mut sum = graph.constant(0.0);
-    for (&component, &weight) in u.iter().zip(normal) {
-        let weight = graph.constant(weight);
-        let term = graph.mul(weight, component);
-        sum = graph.add(sum, term);
-    }
-    sum
+    graph.weighted_sum(normal.iter().copied().zip(u.iter().copied()))
 }
 
 /// Formulas where a coordinate has a value.
@@ -398,27 +392,22 @@ pub(super) fn on_plane(graph: &mut Graph, formulas: &mut [Node], plane: Option<(
 
 /// p(r) as nested choices between its linear pieces, plus the curve.
 pub(super) fn law_formula(graph: &mut Graph, law: &LawNumbers, r: Node) -> Node {
-    let line = |graph: &mut Graph, at: [f64; 2], slope: f64| {
-        let (place, value, slope) =
-            (graph.constant(at[0]), graph.constant(at[1]), graph.constant(slope));
-        let offset = graph.sub(r, place);
-        let rise = graph.mul(slope, offset);
-        graph.add(value, rise)
-    };
-    let last = law.points[law.points.len() - 1];
-    let mut formula = line(graph, last, law.slope_after);
-    for pair in law.points.windows(2).rev() {
-        if pair[1][0] > pair[0][0] {
-            let slope = (pair[1][1] - pair[0][1]) / (pair[1][0] - pair[0][0]);
-            let piece = line(graph, pair[0], slope);
-            let end = graph.constant(pair[1][0]);
-            formula = graph.select_less(r, end, piece, formula);
-        }
+    let inner = law.points.windows(2).filter(|pair| pair[1][0] > pair[0][0]).map(|pair| {
+        let slope = (pair[1][1] - pair[0][1]) / (pair[1][0] - pair[0][0]);
+        (pair[1][0], pair[0], slope)
+    });
+    let [first, last] = [law.points[0], law.points[law.points.len() - 1]];
+    let before = std::iter::once((first[0], first, law.slope_before));
+    let line = "value + slope*(r - place)";
+    let numbers = [("place", last[0]), ("value", last[1]), ("slope", law.slope_after)];
+    let mut formula = graph.written(line, &[("r", r)], &numbers);
+    for (end, [place, value], slope) in before.chain(inner).rev() {
+        let numbers = [("end", end), ("place", place), ("value", value), ("slope", slope)];
+        let (nodes, text) =
+            ([("r", r), ("beyond", formula)], format!("if(r < end, {line}, beyond)"));
+        formula = graph.written(&text, &nodes, &numbers);
     }
-    let before = line(graph, law.points[0], law.slope_before);
-    let start = graph.constant(law.points[0][0]);
-    let formula = graph.select_less(r, start, before, formula);
-    match &law.curve {
+    match law.curve {
         None => formula,
         Some(curve) => {
             let curve = curve.formula(graph, r);

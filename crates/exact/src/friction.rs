@@ -187,30 +187,21 @@ impl FrictionBound {
 
 /// |u_τ|.
 fn length_formula(graph: &mut Graph, u_tau: &[Node]) -> Node {
-    if let &[u] = u_tau {
-        let backward = graph.neg(u);
-        return graph.max(u, backward);
+    match *u_tau {
+        [u] => graph.written("max(u, -u)", &[("u", u)], &[]),
+        [u, w] => graph.written("sqrt(u^2 + w^2)", &[("u", u), ("w", w)], &[]),
+        _ => graph.constant(f64::NAN),
     }
-    let mut squares = graph.constant(0.0);
-    for &u in u_tau {
-        let square = graph.powi(u, 2);
-        squares = graph.add(squares, square);
-    }
-    let half = graph.constant(0.5);
-    graph.pow(squares, half)
 }
 
 /// S u_τ/|u_τ|, 0 at rest.
 fn slipping(graph: &mut Graph, (u_tau, slip): (&[Node], Node), bound: Node) -> Vec<Node> {
-    let zero = graph.constant(0.0);
-    if let &[u] = u_tau {
-        let backward = graph.neg(bound);
-        let not_forward = graph.select_less(u, zero, backward, zero);
-        return vec![graph.select_less(zero, u, bound, not_forward)];
+    if let [u] = *u_tau {
+        let nodes = [("u", u), ("bound", bound)];
+        return vec![graph.written("if(u > 0, bound, if(u < 0, -bound, 0))", &nodes, &[])];
     }
-    let one = graph.constant(1.0);
-    let size = graph.select_less(zero, slip, slip, one);
-    let per_length = graph.div(bound, size);
+    let nodes = [("slip", slip), ("bound", bound)];
+    let per_length = graph.written("bound/if(slip > 0, slip, 1)", &nodes, &[]);
     u_tau.iter().map(|&u| graph.mul(per_length, u)).collect()
 }
 

@@ -13,16 +13,11 @@ pub(crate) fn components(d: usize) -> Vec<(usize, usize)> {
 
 /// ε(u) by exact derivatives, as the list of its upper components.
 pub(crate) fn strain(graph: &mut Graph, u: &[Node]) -> Vec<Node> {
-    let half = graph.constant(0.5);
-    components(u.len())
-        .into_iter()
-        .map(|(i, j)| {
-            let a = graph.derivative(u[i], AXES[j]);
-            let b = graph.derivative(u[j], AXES[i]);
-            let sum = graph.add(a, b);
-            graph.mul(half, sum)
-        })
-        .collect()
+    let one = |(i, j): (usize, usize)| {
+        let parts = [graph.derivative(u[i], AXES[j]), graph.derivative(u[j], AXES[i])];
+        graph.written("0.5*(a + b)", &[("a", parts[0]), ("b", parts[1])], &[])
+    };
+    components(u.len()).into_iter().map(one).collect()
 }
 
 /// H = ∫_0^t b(t - s) ε ds for every component, of one term of the memory.
@@ -73,27 +68,21 @@ fn stress(
         }
     }
     let (Some(mu), Some(kappa)) = (material.projection, kappa) else { return stress };
-    let mean = trace(graph, d, strain);
-    let inverse = graph.constant(1.0 / d as f64);
-    let mean = graph.mul(mean, inverse);
-    let deviator: Vec<Node> = list
+    let trace = trace(graph, d, strain);
+    let mean = graph.weighted_sum([(1.0 / d as f64, trace)]);
+    let deviator = list.iter().zip(strain);
+    let deviator = deviator.map(|(&(i, j), &e)| if i == j { graph.sub(e, mean) } else { e });
+    let deviator: Vec<Node> = deviator.collect();
+    let squares = list
         .iter()
-        .zip(strain)
-        .map(|(&(i, j), &e)| if i == j { graph.sub(e, mean) } else { e })
-        .collect();
-    let mut squares = graph.constant(0.0);
-    for (&(i, j), &e) in list.iter().zip(&deviator) {
-        let square = graph.mul(e, e);
-        let count = graph.constant(if i == j { 1.0 } else { 2.0 });
-        let term = graph.mul(count, square);
-        squares = graph.add(squares, term);
-    }
+        .zip(&deviator)
+        .map(|(&(i, j), &e)| (if i == j { 1.0 } else { 2.0 }, graph.powi(e, 2)));
+    let squares: Vec<(f64, Node)> = squares.collect();
+    let squares = graph.weighted_sum(squares);
     let length = graph.apply(Function::Sqrt, squares);
-    let (zero, one, mu) = (graph.constant(0.0), graph.constant(1.0), graph.constant(mu));
-    let ratio = graph.div(kappa, length);
-    let excess = graph.sub(one, ratio);
-    let scaled = graph.mul(mu, excess);
-    let factor = graph.select_less(kappa, length, scaled, zero);
+    let nodes = [("kappa", kappa), ("length", length)];
+    let text = "if(kappa < length, mu*(1 - kappa/length), 0)";
+    let factor = graph.written(text, &nodes, &[("mu", mu)]);
     for (target, &e) in stress.iter_mut().zip(&deviator) {
         let part = graph.mul(factor, e);
         *target = graph.add(*target, part);
@@ -102,42 +91,27 @@ fn stress(
 }
 
 fn trace(graph: &mut Graph, d: usize, tensor: &[Node]) -> Node {
-    let mut sum = graph.constant(0.0);
-    for (&(i, j), &e) in components(d).iter().zip(tensor) {
-        if i == j {
-            sum = graph.add(sum, e);
-        }
-    }
-    sum
+    let diagonal = components(d).into_iter().zip(tensor).filter(|((i, j), _)| i == j);
+    graph.weighted_sum(diagonal.map(|(_, &e)| (1.0, e)))
 }
 
 fn isotropic(graph: &mut Graph, d: usize, lambda: f64, mu: f64, tensor: &[Node]) -> Vec<Node> {
     let volumetric = trace(graph, d, tensor);
-    let (lambda, twice) = (graph.constant(lambda), graph.constant(2.0 * mu));
-    let volumetric = graph.mul(lambda, volumetric);
-    components(d)
-        .iter()
-        .zip(tensor)
-        .map(|(&(i, j), &e)| {
-            let sheared = graph.mul(twice, e);
-            if i == j { graph.add(sheared, volumetric) } else { sheared }
-        })
-        .collect()
+    let entry = |((i, j), &e): ((usize, usize), &Node)| {
+        graph.weighted_sum([(2.0 * mu, e), (if i == j { lambda } else { 0.0 }, volumetric)])
+    };
+    components(d).into_iter().zip(tensor).map(entry).collect()
 }
 
 /// σ_ij = Σ_{k ≤ l} (2 - δ_kl) 𝒜_ijkl ε_kl.
 fn anisotropic(graph: &mut Graph, d: usize, mandel: &[[f64; 6]; 6], strain: &[Node]) -> Vec<Node> {
     let list = components(d);
     let row = |&(i, j): &(usize, usize)| {
-        let mut sum = graph.constant(0.0);
-        for (&(k, l), &e) in list.iter().zip(strain) {
+        let entries = list.iter().zip(strain).map(|(&(k, l), &e)| {
             let count = if k == l { 1.0 } else { 2.0 };
-            let entry = count * super::constitutive::component(mandel, d, [i, j, k, l]);
-            let entry = graph.constant(entry);
-            let term = graph.mul(entry, e);
-            sum = graph.add(sum, term);
-        }
-        sum
+            (count * super::constitutive::component(mandel, d, [i, j, k, l]), e)
+        });
+        graph.weighted_sum(entries)
     };
     list.iter().map(row).collect()
 }
@@ -150,14 +124,11 @@ pub(crate) fn body_force(graph: &mut Graph, stress: &[Node]) -> Vec<Node> {
         let (i, j) = (i.min(j), i.max(j));
         list.iter().position(|&pair| pair == (i, j)).unwrap_or(0)
     };
-    (0..d)
-        .map(|i| {
-            let mut sum = graph.constant(0.0);
-            for (j, &axis) in AXES.iter().enumerate().take(d) {
-                let part = graph.derivative(stress[find(i, j)], axis);
-                sum = graph.add(sum, part);
-            }
-            graph.neg(sum)
-        })
-        .collect()
+    let component = |i: usize| {
+        let parts = (0..d).map(|j| (1.0, graph.derivative(stress[find(i, j)], AXES[j])));
+        let parts: Vec<(f64, Node)> = parts.collect();
+        let divergence = graph.weighted_sum(parts);
+        graph.neg(divergence)
+    };
+    (0..d).map(component).collect()
 }

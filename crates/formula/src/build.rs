@@ -56,6 +56,16 @@ impl Graph {
         }
     }
 
+    /// Σ w a of numbers w.
+    pub fn weighted_sum(&mut self, terms: impl IntoIterator<Item = (f64, Node)>) -> Node {
+        let zero = self.constant(0.0);
+        terms.into_iter().fold(zero, |sum, (weight, a)| {
+            let weight = self.constant(weight);
+            let term = self.mul(weight, a);
+            self.add(sum, term)
+        })
+    }
+
     /// a - b.
     pub fn sub(&mut self, a: Node, b: Node) -> Node {
         if a == b {

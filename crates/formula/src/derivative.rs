@@ -32,147 +32,74 @@ impl Graph {
         if !self.depends_on(f, v) {
             return self.constant(0.0);
         }
-        match self.op(f) {
-            Op::Constant(_) => self.constant(0.0),
-            Op::Variable(_) => self.constant(1.0),
-            Op::Neg(a) => {
+        let op = self.op(f);
+        let names = [["a", "da"], ["b", "db"], ["p", "dp"], ["q", "dq"]];
+        let mut nodes = vec![("f", f)];
+        for ([name, of_slope], node) in names.into_iter().zip(op.operands()) {
+            nodes.extend([(name, node), (of_slope, self.slope(node, v))]);
+        }
+        let (mut rule, mut numbers) = ("1", Vec::new());
+        let of_function;
+        match op {
+            Op::Constant(_) | Op::Variable(_) => {}
+            Op::Neg(_) => rule = "-da",
+            Op::Add(..) => rule = "da + db",
+            Op::Sub(..) => rule = "da - db",
+            Op::Mul(..) => rule = "da*b + a*db",
+            Op::Div(..) => rule = "(da - f*db)/b",
+            Op::Power(_, n) => {
+                rule = "n*a^(n - 1)*da";
+                numbers.push(("n", f64::from(n)));
+            }
+            Op::Pow(..) => rule = "b*a^(b - 1)*da + f*log(a)*db",
+            Op::Apply(function, _) => {
+                of_function = format!("({})*da", slope(function));
+                rule = &of_function;
+            }
+            Op::Max(..) => rule = "if(a < b, db, da)",
+            Op::Min(..) => rule = "if(a < b, da, db)",
+            Op::Less(_) => rule = "if(a < b, dp, dq)",
+            Op::Relax(c, a) if v != Variable::T => {
                 let da = self.slope(a, v);
-                self.neg(da)
+                return self.relax(f64::from_bits(c), da);
             }
-            Op::Add(a, b) => {
-                let (da, db) = (self.slope(a, v), self.slope(b, v));
-                self.add(da, db)
+            Op::Relax(c, _) => {
+                rule = "a - c*f";
+                numbers.push(("c", f64::from_bits(c)));
             }
-            Op::Sub(a, b) => {
-                let (da, db) = (self.slope(a, v), self.slope(b, v));
-                self.sub(da, db)
-            }
-            Op::Mul(a, b) => {
-                let (da, db) = (self.slope(a, v), self.slope(b, v));
-                let (left, right) = (self.mul(da, b), self.mul(a, db));
-                self.add(left, right)
-            }
-            Op::Div(a, b) => self.quotient_derivative(f, a, b, v),
-            Op::Power(a, n) => self.power_derivative(f, a, n, v),
-            Op::Pow(a, b) => self.pow_derivative(f, a, b, v),
-            Op::Apply(function, a) => {
+            Op::Convolve(kernel, a) if v != Variable::T => {
                 let da = self.slope(a, v);
-                let outer = self.outer_derivative(function, a, f);
-                self.mul(outer, da)
+                return self.convolve(kernel, da);
             }
-            Op::Max(a, b) => {
-                let (da, db) = (self.slope(a, v), self.slope(b, v));
-                self.select_less(a, b, db, da)
+            // (∫₀ᵗ b(t − s) a(s) ds)' = b(0) a + ∫₀ᵗ b'(t − s) a(s) ds; b is independent of space.
+            Op::Convolve(kernel, a) => {
+                let (zero, change) = (self.constant(0.0), self.slope(kernel, v));
+                let initial = self.substitute(kernel, Variable::T, zero);
+                nodes = vec![("b", initial), ("a", a), ("past", self.convolve(change, a))];
+                rule = "b*a + past";
             }
-            Op::Min(a, b) => {
-                let (da, db) = (self.slope(a, v), self.slope(b, v));
-                self.select_less(a, b, da, db)
-            }
-            Op::Less([a, b, p, q]) => {
-                let (dp, dq) = (self.slope(p, v), self.slope(q, v));
-                self.select_less(a, b, dp, dq)
-            }
-            Op::Relax(c, a) if v == Variable::T => {
-                let rate = self.constant(f64::from_bits(c));
-                let decay = self.mul(rate, f);
-                self.sub(a, decay)
-            }
-            Op::Relax(c, a) => {
-                let da = self.slope(a, v);
-                self.relax(f64::from_bits(c), da)
-            }
-            Op::Convolve(kernel, a) => self.convolution_derivative(kernel, a, v),
         }
+        self.written(rule, &nodes, &numbers)
     }
+}
 
-    /// (∫₀ᵗ b(t − s) a(s) ds)' = b(0) a + ∫₀ᵗ b'(t − s) a(s) ds in time; b is independent of space.
-    fn convolution_derivative(&mut self, kernel: Node, a: Node, v: Variable) -> Node {
-        if v != Variable::T {
-            let da = self.slope(a, v);
-            return self.convolve(kernel, da);
-        }
-        let zero = self.constant(0.0);
-        let initial = self.substitute(kernel, Variable::T, zero);
-        let change = self.slope(kernel, v);
-        let now = self.mul(initial, a);
-        let past = self.convolve(change, a);
-        self.add(now, past)
-    }
-
-    fn quotient_derivative(&mut self, f: Node, a: Node, b: Node, v: Variable) -> Node {
-        let (da, db) = (self.slope(a, v), self.slope(b, v));
-        let carried = self.mul(f, db);
-        let numerator = self.sub(da, carried);
-        self.div(numerator, b)
-    }
-
-    fn power_derivative(&mut self, f: Node, a: Node, n: i32, v: Variable) -> Node {
-        let da = self.slope(a, v);
-        let factor = self.constant(f64::from(n));
-        let lower = match n.checked_sub(1) {
-            Some(m) => self.powi(a, m),
-            None => self.div(f, a),
-        };
-        let outer = self.mul(factor, lower);
-        self.mul(outer, da)
-    }
-
-    /// (a^b)' = b a^(b-1) a' + a^b log(a) b', each part only if needed.
-    fn pow_derivative(&mut self, f: Node, a: Node, b: Node, v: Variable) -> Node {
-        let (da, db) = (self.slope(a, v), self.slope(b, v));
-        let minus_one = self.constant(-1.0);
-        let exponent = self.add(b, minus_one);
-        let lower = self.pow(a, exponent);
-        let outer = self.mul(b, lower);
-        let base = self.mul(outer, da);
-        if self.value_of_constant(db) == Some(0.0) {
-            return base;
-        }
-        let logarithm = self.apply(Function::Log, a);
-        let growth = self.mul(f, logarithm);
-        let growth = self.mul(growth, db);
-        self.add(base, growth)
-    }
-
-    fn outer_derivative(&mut self, function: Function, a: Node, f: Node) -> Node {
-        let one = self.constant(1.0);
-        match function {
-            Function::Sin => self.apply(Function::Cos, a),
-            Function::Cos => {
-                let s = self.apply(Function::Sin, a);
-                self.neg(s)
-            }
-            Function::Tan => {
-                let square = self.powi(f, 2);
-                self.add(one, square)
-            }
-            Function::Asin | Function::Acos => {
-                let square = self.powi(a, 2);
-                let rest = self.sub(one, square);
-                let root = self.apply(Function::Sqrt, rest);
-                let slope = self.div(one, root);
-                if function == Function::Asin { slope } else { self.neg(slope) }
-            }
-            Function::Atan => {
-                let square = self.powi(a, 2);
-                let sum = self.add(one, square);
-                self.div(one, sum)
-            }
-            Function::Sinh => self.apply(Function::Cosh, a),
-            Function::Cosh => self.apply(Function::Sinh, a),
-            Function::Tanh => {
-                let square = self.powi(f, 2);
-                self.sub(one, square)
-            }
-            Function::Exp => f,
-            Function::ExpMinusOne => self.apply(Function::Exp, a),
-            Function::Log => self.div(one, a),
-            Function::Sqrt => {
-                let half = self.constant(0.5);
-                self.div(half, f)
-            }
-            Function::Abs => self.apply(Function::Sign, a),
-            Function::Sign => self.constant(0.0),
-        }
+/// The derivative of a function f of a.
+fn slope(function: Function) -> &'static str {
+    match function {
+        Function::Sin => "cos(a)",
+        Function::Cos => "-sin(a)",
+        Function::Tan => "1 + f^2",
+        Function::Asin => "1/sqrt(1 - a^2)",
+        Function::Acos => "-(1/sqrt(1 - a^2))",
+        Function::Atan => "1/(1 + a^2)",
+        Function::Sinh => "cosh(a)",
+        Function::Cosh => "sinh(a)",
+        Function::Tanh => "1 - f^2",
+        Function::Exp => "f",
+        Function::ExpMinusOne => "exp(a)",
+        Function::Log => "1/a",
+        Function::Sqrt => "0.5/f",
+        Function::Abs => "sign(a)",
+        Function::Sign => "0",
     }
 }

@@ -16,6 +16,8 @@ pub enum Variable {
 }
 
 impl Variable {
+    pub(crate) const ALL: [Self; 5] = [Self::X, Self::Y, Self::Z, Self::T, Self::Zeta];
+
     pub(crate) fn name(self) -> &'static str {
         match self {
             Self::X => "x",
@@ -27,7 +29,7 @@ impl Variable {
     }
 
     pub(crate) fn named(name: &str) -> Option<Self> {
-        [Self::X, Self::Y, Self::Z, Self::T, Self::Zeta].into_iter().find(|v| v.name() == name)
+        Self::ALL.into_iter().find(|v| v.name() == name)
     }
 }
 

@@ -36,14 +36,9 @@ impl Graph {
         let Some(exponentials) = self.exponential_sum(kernel) else {
             return self.integrate(PastKernel::General(kernel), f);
         };
-        let mut sum = self.constant(0.0);
-        for (a, c) in exponentials {
-            let amplitude = self.constant(a);
-            let part = self.relax(c, f);
-            let part = self.mul(amplitude, part);
-            sum = self.add(sum, part);
-        }
-        sum
+        let parts: Vec<(f64, Node)> =
+            exponentials.into_iter().map(|(a, c)| (a, self.relax(c, f))).collect();
+        self.weighted_sum(parts)
     }
 
     /// How many integrals over the past stand within each other.
@@ -90,9 +85,8 @@ impl Graph {
             {
                 let b = f64::from_bits(bits);
                 let faster = self.relax(a, g);
-                let difference = self.sub(f, faster);
-                let factor = self.constant((a - b).recip());
-                self.mul(factor, difference)
+                let nodes = [("f", f), ("faster", faster)];
+                self.written("factor*(f - faster)", &nodes, &[("factor", (a - b).recip())])
             }
             (_, Op::Less([a, b, p, q])) if !self.branches_in_time(a, b) => {
                 let p = self.integrate(memory, p);

@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use super::error::ParseError;
-use super::graph::{Graph, Node};
+use super::graph::{Graph, Node, Variable};
 use super::lexer::{Spanned, Token, tokens};
 use super::meaning::{Condition, Meaning, Parsed, condition, number};
 use super::scope::Scope;
@@ -48,11 +48,7 @@ impl Graph {
         if text.trim().is_empty() {
             return Err(ParseError::new(0..text.len(), "the formula is empty"));
         }
-        let tokens = tokens(text)?;
-        let mut parser = Parser { graph: self, scope, tokens, at: 0, depth: 0 };
-        let (meaning, span) = parser.expression(0)?;
-        parser.end()?;
-        let node = number((meaning, span))?;
+        let node = self.read(text, scope)?;
         let depth = self.past_depth(node);
         if depth > DEEPEST_PAST {
             let message = format!(
@@ -63,6 +59,27 @@ impl Graph {
             ));
         }
         Ok(node)
+    }
+
+    fn read(&mut self, text: &str, scope: &Scope) -> Result<Node, ParseError> {
+        let tokens = tokens(text)?;
+        let mut parser = Parser { graph: self, scope, tokens, at: 0, depth: 0 };
+        let parsed = parser.expression(0)?;
+        parser.end()?;
+        number(parsed)
+    }
+
+    /// A formula that the program itself writes, in the variables and in named nodes and numbers.
+    ///
+    /// # Panics
+    /// A text that is no formula in these names.
+    pub fn written(&mut self, text: &str, nodes: &[(&str, Node)], numbers: &[(&str, f64)]) -> Node {
+        let mut scope = Scope::new(&Variable::ALL);
+        nodes.iter().for_each(|(name, node)| scope.define(name, *node));
+        for (name, number) in numbers {
+            scope.define(name, self.constant(*number));
+        }
+        self.read(text, &scope).unwrap_or_else(|error| panic!("`{text}`: {error}"))
     }
 }
 

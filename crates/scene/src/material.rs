@@ -273,16 +273,15 @@ fn smallest_coordinate(graph: &mut Graph, coarse: &CoarseMesh, simplex: usize) -
     // Rows of the inverse are the gradients of λ_1, …, λ_d; λ_0 = 1 minus their sum.
     let edges = nalgebra::DMatrix::from_fn(d, d, |i, a| corners[a + 1][i] - corners[0][i]);
     let inverse = edges.try_inverse().unwrap_or_else(|| nalgebra::DMatrix::zeros(d, d));
-    let mut first = graph.constant(1.0);
+    let rows: Vec<Vec<f64>> = (0..d).map(|a| inverse.row(a).iter().copied().collect()).collect();
+    let axes = AXES.map(|axis| graph.variable(axis));
+    let one = graph.constant(1.0);
+    let mut first = one;
     let mut least = None;
-    for a in 0..d {
-        let at_corner: f64 = (0..d).map(|i| inverse[(a, i)] * corners[0][i]).sum();
-        let mut coordinate = graph.constant(-at_corner);
-        for (i, &axis) in AXES.iter().enumerate().take(d) {
-            let (slope, axis) = (graph.constant(inverse[(a, i)]), graph.variable(axis));
-            let term = graph.mul(slope, axis);
-            coordinate = graph.add(coordinate, term);
-        }
+    for row in rows {
+        let at_corner: f64 = row.iter().zip(corners[0]).map(|(slope, x)| slope * x).sum();
+        let terms = row.into_iter().zip(axes);
+        let coordinate = graph.weighted_sum([(-at_corner, one)].into_iter().chain(terms));
         first = graph.sub(first, coordinate);
         least = Some(least.map_or(coordinate, |least| graph.min(least, coordinate)));
     }

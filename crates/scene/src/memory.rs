@@ -129,9 +129,7 @@ impl Part {
             return Self { kernel: factor, singular: None, inner: None, tensor };
         }
         let graph = &mut reading.formulas;
-        let (t, exponent) = (graph.variable(Variable::T), graph.constant(-power));
-        let root = graph.pow(t, exponent);
-        let kernel = graph.mul(root, factor);
+        let kernel = graph.written("t^(-power)*factor", &[("factor", factor)], &[("power", power)]);
         let singular = Some(SingularParts { power, factor, region });
         Self { kernel, singular, inner: None, tensor }
     }

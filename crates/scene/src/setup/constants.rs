@@ -556,24 +556,15 @@ impl OfRegion {
     fn new(graph: &mut Graph, terms: &[(Node, [f64; 2])], dimension: usize) -> Self {
         let d = dimension as f64;
         let mut sum = |weight: &dyn Fn([f64; 2]) -> f64| {
-            let zero = graph.constant(0.0);
-            terms.iter().fold(zero, |sum, &(kernel, lame)| {
-                let weight = graph.constant(weight(lame));
-                let term = graph.mul(weight, kernel);
-                graph.add(sum, term)
-            })
+            graph.weighted_sum(terms.iter().map(|&(kernel, lame)| (weight(lame), kernel)))
         };
         let deviator = sum(&|[_, mu]| 2.0 * mu);
         let sphere = sum(&|[lambda, mu]| 2.0 * mu + d * lambda);
         let (lambda, normal) = (sum(&|[lambda, _]| lambda), sum(&|[lambda, mu]| lambda + 2.0 * mu));
         // As Σ |λ δ_ij δ_kl + μ(δ_ik δ_jl + δ_il δ_jk)|.
-        let mut entries = graph.constant(0.0);
-        for (factor, node) in [(d, normal), (d * (d - 1.0), lambda), (d * (d - 1.0), deviator)] {
-            let (factor, size) =
-                (graph.constant(factor), graph.apply(formula::Function::Abs, node));
-            let part = graph.mul(factor, size);
-            entries = graph.add(entries, part);
-        }
+        let nodes = [("normal", normal), ("lambda", lambda), ("deviator", deviator)];
+        let text = "n*abs(normal) + n*(n - 1)*abs(lambda) + n*(n - 1)*abs(deviator)";
+        let entries = graph.written(text, &nodes, &[("n", d)]);
         Self { eigenvalues: [deviator, sphere], entries }
     }
 }

@@ -428,10 +428,7 @@ pub(super) fn on_course(scene: Scene, course: Course) -> Scene {
 }
 
 fn factor(graph: &mut Graph, course: Course, horizon: f64) -> Node {
-    let t = graph.variable(Variable::T);
-    let (half, slope) = (graph.constant(0.5), graph.constant(0.5 / horizon));
-    let rising = graph.mul(slope, t);
-    let line = graph.add(half, rising);
+    let line = graph.written("0.5 + slope*t", &[], &[("slope", 0.5 / horizon)]);
     match course {
         Course::Constant => graph.constant(1.0),
         Course::Linear => line,

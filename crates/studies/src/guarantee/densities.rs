@@ -237,14 +237,9 @@ fn traction(
     normal: &[f64],
     pressure: Option<Node>,
 ) -> [Node; 2] {
-    let nu = [normal[0], normal[1]].map(|component| graph.constant(component));
     [0, 1].map(|i: usize| {
-        let [first, second] = [stress[i], stress[i + 1]];
-        let (first, second) = (graph.mul(first, nu[0]), graph.mul(second, nu[1]));
-        let sum = graph.add(first, second);
-        let Some(pressure) = pressure else { return sum };
-        let pressed = graph.mul(pressure, nu[i]);
-        graph.add(sum, pressed)
+        let along = [(normal[0], stress[i]), (normal[1], stress[i + 1])];
+        graph.weighted_sum(along.into_iter().chain(pressure.map(|pressure| (normal[i], pressure))))
     })
 }
 
