@@ -337,7 +337,7 @@ fn checks_pass_and_see_wrong_data() {
         let pure = findings.iter().any(|finding| finding.text.starts_with("pure"));
         assert_eq!(pure, name == "pure-box", "{findings:#?}");
         // A face without its traction.
-        let lost: Vec<_> = all.iter().copied().filter(|side| side.normal[2] != 1.0).collect();
+        let lost: Vec<_> = all.iter().filter(|of| of.face.normal[2] != 1.0).cloned().collect();
         assert_eq!(lost.len(), 5);
         assert!(failed(&sound, &lost) > 0, "{name}");
         if name == "affine-box" {

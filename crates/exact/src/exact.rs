@@ -110,8 +110,8 @@ pub struct ExactData {
     pub horizon: f64,
     /// Lengths of the box from the origin that is, or (with `polytope`) contains, the domain.
     pub size: Vec<f64>,
-    /// The domain, if not a rectangle or box.
-    pub polytope: Option<Polytope>,
+    /// The coarse simplices of the domain, if it is not a rectangle or box.
+    pub polytope: Option<Arc<CoarseMesh>>,
 }
 
 impl ExactData {
@@ -119,19 +119,9 @@ impl ExactData {
     pub(crate) fn measure(&self) -> f64 {
         match &self.polytope {
             None => self.size.iter().product(),
-            Some(Polytope { coarse, .. }) => coarse.measure(),
+            Some(coarse) => coarse.measure(),
         }
     }
-}
-
-/// A polygon or polyhedron of coarse simplices, with the roles of its sides.
-#[derive(Debug, Clone)]
-pub struct Polytope {
-    pub coarse: Arc<CoarseMesh>,
-    /// The sides of Γ1.
-    pub clamped: Vec<u32>,
-    /// The sides of Γ3.
-    pub contact: Vec<u32>,
 }
 
 /// An exact solution with its compiled formulas.
@@ -177,8 +167,10 @@ impl Exact {
         let fields = Program::compile(graph, &fields, data.horizon);
         let forces = Program::compile(graph, &body_force, data.horizon);
         let needs_zeta = data.kappa.is_some_and(|kappa| graph.depends_on(kappa, Variable::Zeta));
-        let polytope = data.polytope.as_ref().map(|polytope| Domain::Coarse(&polytope.coarse));
-        let domain = polytope.unwrap_or(Domain::Box(&data.size));
+        let domain = match &data.polytope {
+            None => Domain::Box(&data.size),
+            Some(coarse) => Domain::Coarse(coarse),
+        };
         let zeta = AccumulatedStrain::new(graph, &strain, data.horizon, domain, needs_zeta);
         Self { strain, memory, stress, body_force, interior, fields, forces, zeta, data }
     }

@@ -45,14 +45,14 @@ mod zeta_domain;
 
 pub use accumulated::AccumulatedStrain;
 pub use check::{
-    Finding, SideOfBox, Status, check, regularity_in_space, regularity_in_time, second_difference,
+    BodyFace, Finding, Status, check, regularity_in_space, regularity_in_time, second_difference,
 };
 pub use curve::CurveNumbers;
 pub use densities::Densities;
 pub use edge_compliance::ComplianceRule;
 pub use exact::{
     BoundaryFormulas, ContactFormulas, Exact, ExactData, LawNumbers, LoadForm, MaterialNumbers,
-    Polytope, RegionNumbers,
+    RegionNumbers,
 };
 pub use finite_exact::{
     FiniteData, FiniteExact, FiniteState, FiniteTrace, KernelFormulas, Unresolved,

@@ -2,10 +2,11 @@
 //! `[[contact]]` with `sides` where sides differ.
 
 use fem::contact::BoundaryRule as ContactQuadrature;
+use fem::mesh::Face;
 use formula::Node;
 use serde::de::IgnoredAny;
 
-use super::domain::{Domain, Face, SAME_NORMAL, Side, place};
+use super::domain::{Domain, SAME_NORMAL, Side, place};
 use super::friction::Friction;
 use super::gap::{finite_on_contact, gap};
 use super::law::Law;

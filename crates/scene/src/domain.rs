@@ -3,14 +3,14 @@
 use crate::reading::{Reading, placed};
 use crate::source::{Result, SceneError, Source};
 use fem::mesh::{
-    CoarseMesh, Family, Family as MeshFamily, Fault, Mesh, PolygonError, REST, lattice, read_gmsh,
-    triangulate, vertex_at,
+    CoarseMesh, Face, Family, Family as MeshFamily, Fault, Mesh, PolygonError, REST, lattice,
+    read_gmsh, triangulate, vertex_at,
 };
 use files::read_file_up_to;
 use formula::EvaluationPoint;
 use serde::de::IgnoredAny;
-pub(crate) use side::SAME_NORMAL;
-pub use side::{Face, Side};
+pub use side::Side;
+pub(crate) use side::{SAME_NORMAL, largest_on};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use toml::de::DeTable;
@@ -98,7 +98,7 @@ impl Domain {
     /// The plane pieces of a side.
     pub fn faces(&self, side: Side) -> Vec<Face> {
         match &self.shape {
-            Shape::Box => vec![Face::of_box(&self.size, side)],
+            Shape::Box => vec![Face::of_box(&self.size, side.0)],
             Shape::Refined(coarse) => {
                 let of_side = coarse.pieces().into_iter().filter(|piece| piece.side == side.0);
                 of_side.map(|piece| Face::simplex(&piece)).collect()

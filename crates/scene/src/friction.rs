@@ -3,9 +3,10 @@
 
 use exact::FrictionBound;
 use fem::contact::BoundaryRule as ContactQuadrature;
+use fem::mesh::Face;
 use formula::{EvaluationPoint, Node};
 
-use super::domain::{Domain, Face, SAME_NORMAL, place};
+use super::domain::{Domain, SAME_NORMAL, place};
 use super::gap::{TIMES, on_contact};
 use super::law::Law;
 use super::reading::{Reading, join};

@@ -2,10 +2,11 @@
 
 use std::collections::BTreeMap;
 
+use fem::mesh::Face;
 use formula::{EvaluationPoint, Node, Variable};
 
 use super::data::AXES;
-use super::domain::{Domain, Face, place};
+use super::domain::{Domain, place};
 use super::reading::{Formula, Reading, in_time, last};
 use super::source::SceneError;
 use super::time::Time;

@@ -1,6 +1,6 @@
 //! The compliance law p = ∂j_ν: piecewise linear or curved, with upward jumps only.
 
-use super::domain::{Domain, place};
+use super::domain::{Domain, largest_on, place};
 use super::gap::finite_on_contact;
 use super::reading::{Reading, join};
 use super::source::Result;
@@ -233,13 +233,13 @@ impl Scale {
         let mut largest = 0.0f64;
         for &side in &domain.contact {
             for face in domain.faces(side) {
-                let (least, at) = face.largest(&reading.formulas, formula, -1.0);
+                let (least, at) = largest_on(&face, &reading.formulas, formula, -1.0);
                 let here = place(&at.into(), domain.dimension());
                 let (value, side) = (-least.attained, domain.name(side));
                 let message = format!("`scale` is {value} at {here} on the side {side}");
                 let hint = "the factor of a law must be positive on every contact side";
                 reading.refuse_if(least.bound >= 0.0, key, message, hint)?;
-                let (most, _) = face.largest(&reading.formulas, formula, 1.0);
+                let (most, _) = largest_on(&face, &reading.formulas, formula, 1.0);
                 let message = format!("`scale` has no bound on the side {side}");
                 reading.refuse_if(!most.bound.is_finite(), key, message, hint)?;
                 largest = largest.max(most.bound);

@@ -1,8 +1,7 @@
 //! Contact state on Γ3: signs, complementarity, occurring states, and whether h3 vanishes.
 
-use super::polytope;
 use super::sliding::SlidingExtremes;
-use super::{Finding, SideOfBox, Status, places};
+use super::{BodyFace, Finding, Status};
 use crate::Sliding;
 use crate::constitutive::{Tensor, full};
 use crate::{ContactFormulas, Exact};
@@ -10,9 +9,9 @@ use fem::mesh::in_dimension;
 use fem::norms::is_locked;
 
 /// Samples along an edge, along each direction of a face of a box or of one of many triangles, and in time.
-const ALONG: usize = 200;
-const ON_FACE: usize = 32;
-const ON_TRIANGLE: usize = 8;
+const ALONG: u32 = 200;
+const ON_FACE: u32 = 32;
+const ON_TRIANGLE: u32 = 8;
 const TIMES: usize = 40;
 /// |h3| below this share of the largest stress or pressure on Γ3 is rounding of the formulas.
 const PURE: f64 = 1e-9;
@@ -38,26 +37,19 @@ struct Extremes {
     samples: usize,
 }
 
-pub(super) fn contact(exact: &Exact, sides: &[SideOfBox]) -> Vec<Finding> {
+pub(super) fn contact(exact: &Exact, faces: &[BodyFace]) -> Vec<Finding> {
     if exact.data.contact.is_empty() {
         return Vec::new();
     }
     let mut extremes = Extremes { penetration: f64::NEG_INFINITY, ..Extremes::default() };
-    let (d, size, mut parts) = (exact.dimension(), &exact.data.size, Vec::new());
-    for piece in exact.data.polytope.iter().flat_map(polytope::contact_pieces) {
-        let count = if d == 2 { ALONG } else { ON_TRIANGLE };
-        parts.push((polytope::points_of(&piece, count), piece.side, piece.normal));
-    }
-    for side in sides.iter().filter(|side| side.contact) {
-        let count = if d == 2 { ALONG } else { ON_FACE };
-        parts.push((
-            side.points(size, |axis| places(size[axis], count)),
-            side.number(),
-            side.normal,
-        ));
-    }
-    for (points, side, normal) in parts {
-        in_dimension!(d, D => sample::<D>(exact, &points, (side, normal), &mut extremes));
+    for BodyFace { side, face, .. } in faces.iter().filter(|of| of.contact) {
+        let count = match (exact.dimension(), face.triangle) {
+            (2, _) => ALONG,
+            (_, false) => ON_FACE,
+            (_, true) => ON_TRIANGLE,
+        };
+        let (points, part) = (face.points(count), (*side, face.normal));
+        in_dimension!(exact.dimension(), D => sample::<D>(exact, &points, part, &mut extremes));
     }
     let Extremes {
         penetration, lengths, tension, complementarity, pressure, sourced, stress, ..

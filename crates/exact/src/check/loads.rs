@@ -5,11 +5,11 @@
 
 use super::lines::Lines;
 use super::smoothness::worst;
-use super::{Finding, SideOfBox, Status, times};
+use super::{BodyFace, Finding, Status, polytope, times};
 use crate::constitutive::{Tensor, full};
 use crate::{Exact, symbolic::AXES};
-use fem::mesh::in_dimension;
-use formula::{Graph, Node, Program, Scope};
+use fem::mesh::{Face, in_dimension};
+use formula::{Graph, Node, Program};
 
 /// Intervals of a line on which the yield function is watched.
 const YIELD_WATCHES: usize = 96;
@@ -29,25 +29,40 @@ struct Balance {
     absolute: f64,
 }
 
-pub(super) fn strong_against_weak(exact: &Exact, sides: &[SideOfBox]) -> Vec<Finding> {
-    in_dimension!(exact.dimension(), D => compare::<D>(exact, sides))
+pub(super) fn strong_against_weak(exact: &Exact, faces: &[BodyFace]) -> Vec<Finding> {
+    in_dimension!(exact.dimension(), D => compare::<D>(exact, faces))
 }
 
-fn compare<const D: usize>(exact: &Exact, sides: &[SideOfBox]) -> Vec<Finding> {
-    let tests = TestFunctions::new(exact, sides);
+fn compare<const D: usize>(exact: &Exact, faces: &[BodyFace]) -> Vec<Finding> {
     let (mut bare, mut repaired, mut jump) = (0.0f64, 0.0f64, 0.0f64);
-    for t in times(exact) {
-        for balance in balances::<D>(exact, sides, &tests, t) {
+    let mut add = |balances: Vec<Balance>| {
+        for balance in balances {
             let scale = balance.absolute.max(f64::MIN_POSITIVE);
             bare = worst(bare, (balance.strong - balance.weak) / scale);
             repaired = worst(repaired, (balance.strong + balance.interface - balance.weak) / scale);
             jump = worst(jump, balance.interface / scale);
         }
-    }
-    let allowed = match exact.data.material.projection.is_some() || has_slanted_regions(exact) {
-        true => UNRESOLVED_JUMP,
-        false => ROUNDING,
     };
+    let projected = exact.data.material.projection.is_some();
+    let unresolved = match &exact.data.polytope {
+        None => {
+            let tests = TestFunctions::new(exact, faces);
+            times(exact).into_iter().for_each(|t| add(between_lines::<D>(exact, faces, &tests, t)));
+            (projected || has_slanted_regions(exact)).then_some(UNRESOLVED_JUMP)
+        }
+        Some(coarse) => {
+            let [inside, boundary] = polytope::places::<D>(coarse, faces);
+            for t in times(exact) {
+                let mut balances = inside.balances::<D>();
+                inside.add_volume::<D>(exact, t, &mut balances);
+                boundary.add_boundary::<D>(exact, t, &mut balances);
+                add(balances);
+            }
+            let smooth = !projected && exact.data.graph.guards(&exact.stress).is_empty();
+            (!smooth).then_some(polytope::UNRESOLVED_JUMP)
+        }
+    };
+    let allowed = unresolved.unwrap_or(ROUNDING);
     let status = if repaired <= allowed { Status::Verified } else { Status::Failed };
     let text =
         format!("strong and weak loads agree to {repaired:.1e} of the sum of absolute terms");
@@ -61,55 +76,102 @@ fn compare<const D: usize>(exact: &Exact, sides: &[SideOfBox]) -> Vec<Finding> {
     findings
 }
 
-/// v = φ·m e_i with φ the product of distances to the clamped sides and m one of 1, x, y, ….
-struct TestFunctions {
-    /// For each test function [v, ∂_x v, ∂_y v, …], scalar; used in all components.
-    program: Program,
-    count: usize,
+/// Points of a body or of its boundary with their weights.
+#[derive(Default)]
+pub(super) struct Places {
+    pub points: Vec<[f64; 3]>,
+    pub weights: Vec<f64>,
+    /// ν there, on the boundary.
+    pub normals: Vec<[f64; 3]>,
+    /// [v, ∂_x v, ∂_y v, …] there of each test function, scalar and used in all components; on the boundary v counts alone.
+    pub tests: Vec<Vec<f64>>,
 }
 
-impl TestFunctions {
-    fn new(exact: &Exact, sides: &[SideOfBox]) -> Self {
-        let size = &exact.data.size;
-        let names = &["x", "y", "z"][..size.len()];
-        let mut graph = Graph::new();
-        let mut distance = String::from("1");
-        for side in sides.iter().filter(|side| side.clamped) {
-            let name = names[side.axis()];
-            distance += &match side.level(size) {
-                0.0 => format!("*{name}"),
-                level => format!("*({level} - {name})"),
-            };
-        }
-        let scope = Scope::new(&AXES[..size.len()]);
-        let mut outputs: Vec<Node> = Vec::new();
-        for factor in ["1"].iter().chain(names) {
-            // The texts are built from numbers and the names above: they parse.
-            if let Ok(v) = graph.parse(&format!("{distance}*{factor}"), &scope) {
-                outputs.push(v);
-                outputs.extend(AXES[..size.len()].iter().map(|&axis| graph.derivative(v, axis)));
+impl Places {
+    /// Nothing yet of each test function in each component.
+    fn balances<const D: usize>(&self) -> Vec<Balance> {
+        vec![Balance::default(); D * self.tests.len() / (D + 1)]
+    }
+
+    fn add_volume<const D: usize>(&self, exact: &Exact, t: f64, balances: &mut [Balance]) {
+        let sigma = exact.stress_at::<D>(&self.points, t);
+        let force = exact.forces.values(&self.points, t, exact.zeta.at(t));
+        for (p, weight) in self.weights.iter().enumerate() {
+            for (fields, balances) in self.tests.chunks(D + 1).zip(balances.chunks_mut(D)) {
+                for (component, balance) in balances.iter_mut().enumerate() {
+                    let terms = sigma[p][component].iter().zip(&fields[1..]);
+                    let terms = terms.map(|(s, slope)| s * slope[p]);
+                    let body = force[component][p] * fields[0][p];
+                    balance.weak += weight * terms.clone().sum::<f64>();
+                    balance.strong += weight * body;
+                    balance.absolute += weight * (terms.map(f64::abs).sum::<f64>() + body.abs());
+                }
             }
         }
-        let count = outputs.len() / (1 + size.len());
-        Self { program: Program::compile(&graph, &outputs, exact.data.horizon), count }
     }
 
-    fn at<const D: usize>(&self, points: &[[f64; 3]]) -> Vec<Vec<f64>> {
-        self.program.values(points, 0.0, 0.0)
+    fn add_boundary<const D: usize>(&self, exact: &Exact, t: f64, balances: &mut [Balance]) {
+        let sigma = exact.stress_at::<D>(&self.points, t);
+        for (p, (weight, normal)) in self.weights.iter().zip(&self.normals).enumerate() {
+            for (fields, balances) in self.tests.chunks(D + 1).zip(balances.chunks_mut(D)) {
+                for (row, balance) in sigma[p].iter().zip(balances) {
+                    let traction: f64 = row.iter().zip(normal).map(|(s, n)| s * n).sum();
+                    balance.strong += weight * traction * fields[0][p];
+                }
+            }
+        }
     }
 }
 
-fn balances<const D: usize>(
+/// v = φ·m e_i with φ the product of distances to the clamped sides of a box and m one of 1, x, y, ….
+struct TestFunctions(Program);
+
+impl TestFunctions {
+    fn new(exact: &Exact, faces: &[BodyFace]) -> Self {
+        let names = &["x", "y", "z"][..exact.dimension()];
+        let mut graph = Graph::new();
+        let mut distance = String::from("1");
+        for of in faces.iter().filter(|of| of.clamped) {
+            let (axis, level) = plane_of(&of.face);
+            distance += &format!("*({level:?} - {})", names[axis]);
+        }
+        let mut outputs: Vec<Node> = Vec::new();
+        for factor in ["1"].iter().chain(names) {
+            let v = graph.written(&format!("{distance}*{factor}"), &[], &[]);
+            outputs.push(v);
+            outputs.extend(AXES[..names.len()].iter().map(|&axis| graph.derivative(v, axis)));
+        }
+        Self(Program::compile(&graph, &outputs, exact.data.horizon))
+    }
+
+    fn at(&self, places: Vec<([f64; 3], f64)>, normal: [f64; 3]) -> Places {
+        let (points, weights): (Vec<_>, Vec<_>) = places.into_iter().unzip();
+        let normals = vec![normal; points.len()];
+        Places { tests: self.0.values(&points, 0.0, 0.0), points, weights, normals }
+    }
+}
+
+/// The axis across a side of a box, and its coordinate along it.
+fn plane_of(face: &Face) -> (usize, f64) {
+    let axis = (0..3).find(|&i| face.normal[i] != 0.0).unwrap_or(0);
+    (axis, face.corner[axis])
+}
+
+/// The balances at a time on a box, by points on lines that are cut.
+fn between_lines<const D: usize>(
     exact: &Exact,
-    sides: &[SideOfBox],
+    faces: &[BodyFace],
     tests: &TestFunctions,
     t: f64,
 ) -> Vec<Balance> {
-    let mut balances = vec![Balance::default(); D * tests.count];
     let lines = Lines::new(exact, t);
-    volume::<D>(exact, tests, t, &columns::<D>(exact, t, &lines), &mut balances);
-    for side in sides.iter().filter(|side| !side.clamped) {
-        boundary::<D>(exact, tests, t, side, &lines, &mut balances);
+    let inside = tests.at(columns::<D>(exact, t, &lines), [0.0; 3]);
+    let mut balances = inside.balances::<D>();
+    inside.add_volume::<D>(exact, t, &mut balances);
+    for BodyFace { face, .. } in faces.iter().filter(|of| !of.clamped) {
+        let (axis, level) = plane_of(face);
+        let places = tests.at(lines.across(axis, level), face.normal);
+        places.add_boundary::<D>(exact, t, &mut balances);
     }
     for x in lines.straight(0) {
         interface::<D>(exact, tests, t, x, &lines, &mut balances);
@@ -184,57 +246,6 @@ fn deviator_norm<const D: usize>(strain: &Tensor<D>) -> f64 {
     squares.sqrt()
 }
 
-fn volume<const D: usize>(
-    exact: &Exact,
-    tests: &TestFunctions,
-    t: f64,
-    columns: &[([f64; 3], f64)],
-    balances: &mut [Balance],
-) {
-    let points: Vec<[f64; 3]> = columns.iter().map(|(point, _)| *point).collect();
-    let sigma = exact.stress_at::<D>(&points, t);
-    let force = exact.forces.values(&points, t, exact.zeta.at(t));
-    let v = tests.at::<D>(&points);
-    for (p, (_, weight)) in columns.iter().enumerate() {
-        for test in 0..tests.count {
-            let value = v[(D + 1) * test][p];
-            let slope: [f64; D] = std::array::from_fn(|j| v[(D + 1) * test + 1 + j][p]);
-            for component in 0..D {
-                let row = sigma[p][component];
-                let balance = &mut balances[D * test + component];
-                let terms = row.iter().zip(&slope).map(|(s, d)| s * d);
-                balance.weak += weight * terms.clone().sum::<f64>();
-                balance.strong += weight * force[component][p] * value;
-                let internal = terms.map(f64::abs).sum::<f64>();
-                balance.absolute += weight * (internal + (force[component][p] * value).abs());
-            }
-        }
-    }
-}
-
-fn boundary<const D: usize>(
-    exact: &Exact,
-    tests: &TestFunctions,
-    t: f64,
-    side: &SideOfBox,
-    lines: &Lines<'_>,
-    balances: &mut [Balance],
-) {
-    let places = lines.across(side.axis(), side.level(&exact.data.size));
-    let points: Vec<[f64; 3]> = places.iter().map(|(point, _)| *point).collect();
-    let sigma = exact.stress_at::<D>(&points, t);
-    let v = tests.at::<D>(&points);
-    for (p, (_, weight)) in places.iter().enumerate() {
-        for test in 0..tests.count {
-            for component in 0..D {
-                let row = sigma[p][component];
-                let traction: f64 = row.iter().zip(&side.normal).map(|(s, n)| s * n).sum();
-                balances[D * test + component].strong += weight * traction * v[(D + 1) * test][p];
-            }
-        }
-    }
-}
-
 /// Contribution of a jump of σ across x = `x`: -Div σ contains -[σ]e_x on it.
 fn interface<const D: usize>(
     exact: &Exact,
@@ -246,21 +257,18 @@ fn interface<const D: usize>(
 ) {
     // One-sided values: off the line, but near enough for a difference of 1e-11.
     let offset = 1e-11 * exact.data.size[0];
-    let places = lines.across(0, x);
-    let at = |x: f64| places.iter().map(|(p, _)| [x, p[1], p[2]]).collect::<Vec<_>>();
-    let left = exact.stress_at::<D>(&at(x - offset), t);
-    let right = exact.stress_at::<D>(&at(x + offset), t);
-    let v = tests.at::<D>(&at(x));
-    for (p, (_, weight)) in places.iter().enumerate() {
-        let sides = left[p].iter().chain(&right[p]).flatten();
-        let size = sides.fold(0.0f64, |size, stress| size.max(stress.abs()));
-        for test in 0..tests.count {
-            for component in 0..D {
+    let places = tests.at(lines.across(0, x), [0.0; 3]);
+    let moved = |by: f64| places.points.iter().map(|p| [p[0] + by, p[1], p[2]]).collect::<Vec<_>>();
+    let [left, right] = [-offset, offset].map(|by| exact.stress_at::<D>(&moved(by), t));
+    for (p, weight) in places.weights.iter().enumerate() {
+        let both = left[p].iter().chain(&right[p]).flatten();
+        let size = both.fold(0.0f64, |size, stress| size.max(stress.abs()));
+        for (fields, balances) in places.tests.chunks(D + 1).zip(balances.chunks_mut(D)) {
+            for (component, balance) in balances.iter_mut().enumerate() {
                 let jump = right[p][component][0] - left[p][component][0];
                 // A difference of rounding size is not a jump.
                 if jump.abs() > 1e-8 * size {
-                    let part = weight * jump * v[(D + 1) * test][p];
-                    balances[D * test + component].interface -= part;
+                    balance.interface -= weight * jump * fields[0][p];
                 }
             }
         }

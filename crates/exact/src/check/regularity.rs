@@ -1,12 +1,14 @@
 //! The regularity that (5.26) requires, measured by differences under refinement: the quotient converges if and only if
 //! the derivative is bounded.
 
+use super::polytope::{self, blend, distance};
 use super::smoothness::{
     FINE, STRIDES, judge, largest, rounding, second_difference, second_quotients, worst,
 };
-use super::{Finding, SideOfBox, places, polytope, spread, times};
+use super::{BodyFace, Finding, times};
 use crate::Exact;
 use crate::symbolic::components;
+use fem::mesh::Face;
 use formula::{EvaluationPoint, Program};
 
 /// Lines across the direction of differences in time.
@@ -19,12 +21,13 @@ const GRADING: i32 = 5;
 const GRADED_IN_SPACE: usize = 8;
 /// Points across the direction in which zones move, for the derivatives in time.
 const ACROSS_ZONES: usize = 96;
-/// Lines along each direction of a face.
+/// Lines along each direction of a rectangle of the boundary, and beside each edge of a triangle.
 const ON_FACE: usize = 12;
+const ON_TRIANGLE: usize = 4;
 
-pub(super) fn regularity(exact: &Exact, sides: &[SideOfBox]) -> Vec<Finding> {
+pub(super) fn regularity(exact: &Exact, faces: &[BodyFace]) -> Vec<Finding> {
     let mut findings = time_derivatives(exact).to_vec();
-    let [in_space, normal] = space_findings(exact, sides);
+    let [in_space, normal] = space_findings(exact, faces);
     findings.extend(in_space);
     let subject = in_body(exact, "sigma in H1", "(5.18)");
     findings.push(space_derivative(exact, Field::Stress, &subject));
@@ -42,22 +45,13 @@ pub fn regularity_in_time(exact: &Exact) -> Vec<Finding> {
 }
 
 /// Requirements of (5.25).
-pub fn regularity_in_space(exact: &Exact, sides: &[SideOfBox]) -> Vec<Finding> {
-    space_findings(exact, sides).concat()
+pub fn regularity_in_space(exact: &Exact, faces: &[BodyFace]) -> Vec<Finding> {
+    space_findings(exact, faces).concat()
 }
 
-fn space_findings(exact: &Exact, sides: &[SideOfBox]) -> [Vec<Finding>; 2] {
-    let traces = match (&exact.data.contact[..], &exact.data.polytope) {
-        ([], _) => Vec::new(),
-        (_, Some(polytope)) => polytope::normal_traces(exact, polytope),
-        _ => {
-            let contact = sides.iter().filter(|side| side.contact);
-            let trace = |side: &SideOfBox| {
-                normal_trace(exact, (side.number(), side.normal), on_side(exact, side))
-            };
-            contact.map(trace).collect()
-        }
-    };
+fn space_findings(exact: &Exact, faces: &[BodyFace]) -> [Vec<Finding>; 2] {
+    let contact = faces.iter().filter(|of| of.contact && !exact.data.contact.is_empty());
+    let traces = contact.map(|of| normal_trace(exact, of)).collect();
     let subject = in_body(exact, "u in H2", "(5.25)");
     [vec![space_derivative(exact, Field::Strain, &subject)], traces]
 }
@@ -74,7 +68,7 @@ fn in_body(exact: &Exact, what: &str, equation: &str) -> String {
 /// u(t-δ))|/δ, which order 2 of the trapezoidal rule needs.
 fn time_derivatives(exact: &Exact) -> [Finding; 2] {
     let (points, areas) = match &exact.data.polytope {
-        Some(polytope) => polytope::in_time(polytope),
+        Some(coarse) => polytope::in_time(coarse),
         None => {
             let points = grid(exact);
             let area = exact.data.measure() / points.len() as f64;
@@ -145,14 +139,14 @@ pub(super) struct Lines {
 /// ‖f(· + δe) - f‖/δ in L², in all directions (along the edges of each coarse simplex), at three times.
 fn space_derivative(exact: &Exact, field: Field, subject: &str) -> Finding {
     let directions = match &exact.data.polytope {
-        Some(polytope) => polytope::directions(&polytope.coarse),
+        Some(coarse) => polytope::directions(coarse),
         None => exact.dimension(),
     };
     let (mut quotients, mut size) = ([0.0f64; 4], 0.0f64);
     for t in times(exact) {
         for direction in 0..directions {
             let families = match &exact.data.polytope {
-                Some(polytope) => polytope::gathered(&polytope.coarse, direction),
+                Some(coarse) => polytope::gathered(coarse, direction),
                 None => vec![gathered(exact, direction)],
             };
             let mut sums = [0.0; 4];
@@ -193,19 +187,46 @@ fn field_values(exact: &Exact, field: Field, points: &[[f64; 3]], t: f64) -> Vec
     Program::compile(&exact.data.graph, nodes, exact.data.horizon).values(points, t, zeta)
 }
 
-/// Lines of [`FINE`] intervals on a plane part of Γ3, with their length and the measure of what they represent.
-pub(super) type OnContact = (Vec<[f64; 3]>, f64, f64);
+/// Families of parallel lines of [`FINE`] intervals on a piece of the boundary, with their length and the measure of what a
+/// family represents: along each edge of a rectangle, and in a triangle each line parallel to an edge by itself.
+fn families(face: &Face) -> Vec<(Vec<[f64; 3]>, f64, f64)> {
+    let plus = |p: [f64; 3], e: [f64; 3], share: f64| [0, 1, 2].map(|i| p[i] + share * e[i]);
+    let line =
+        |p: [f64; 3], q: [f64; 3]| (0..=FINE).map(move |i| blend(p, q, i as f64 / FINE as f64));
+    let (p, measure) = (face.corner, face.measure());
+    match (&face.edges[..], face.triangle) {
+        (&[e, f], false) => {
+            let along = |(along, across)| {
+                let start = |i: usize| plus(p, across, middle(i, ON_FACE));
+                let lines = (0..ON_FACE).flat_map(|i| line(start(i), plus(start(i), along, 1.0)));
+                (lines.collect(), distance([0.0; 3], along), measure)
+            };
+            [(e, f), (f, e)].map(along).to_vec()
+        }
+        (&[e, f], true) => {
+            let [q, r] = [e, f].map(|edge| plus(p, edge, 1.0));
+            let beside = |[a, b, tip]: [[f64; 3]; 3]| {
+                (0..ON_TRIANGLE).map(move |i| {
+                    let up = middle(i, ON_TRIANGLE);
+                    let [a, b] = [a, b].map(|end| blend(end, tip, up));
+                    let share = 2.0 * measure * (1.0 - up) / ON_TRIANGLE as f64;
+                    (line(a, b).collect(), distance(a, b), share)
+                })
+            };
+            [[p, q, r], [q, r, p], [r, p, q]].into_iter().flat_map(beside).collect()
+        }
+        (edges, _) => {
+            edges.iter().map(|&e| (line(p, plus(p, e, 1.0)).collect(), measure, measure)).collect()
+        }
+    }
+}
 
 /// ‖second difference of u_ν‖/δ² in L² along families of lines on a part of Γ3.
-pub(super) fn normal_trace(
-    exact: &Exact,
-    (side, normal): (u32, [f64; 3]),
-    families: Vec<OnContact>,
-) -> Finding {
-    let program = exact.boundary(side, &normal[..exact.dimension()]).program;
+fn normal_trace(exact: &Exact, BodyFace { side, face, .. }: &BodyFace) -> Finding {
+    let program = exact.boundary(*side, &face.normal[..exact.dimension()]).program;
     // The largest over directions and times.
     let (mut quotients, mut floor) = ([0.0f64; 4], 0.0f64);
-    for (points, length, measure) in families {
+    for (points, length, measure) in families(face) {
         let (mut bound, mut extent) = (program.bind(&points), 0.0f64);
         let (lines, step) = (points.len() / (FINE + 1), length / FINE as f64);
         for t in times(exact) {
@@ -225,20 +246,6 @@ pub(super) fn normal_trace(
     }
     let (subject, what) = ("u_nu in H2(Gamma3) (5.25)", "the second difference quotient in L2");
     judge(subject, what, &quotients, floor)
-}
-
-/// The lines along each direction of a side of a box.
-fn on_side(exact: &Exact, side: &SideOfBox) -> Vec<OnContact> {
-    let size = &exact.data.size;
-    let of_axis = |axis: usize| {
-        let lines = |other: usize| match other == axis {
-            true => vec![0.0],
-            false => (0..ON_FACE).map(|i| size[other] * middle(i, ON_FACE)).collect(),
-        };
-        let points = spread(side.points(size, lines), axis, &places(size[axis], FINE));
-        (points, size[axis], side.measure(size))
-    };
-    side.along(size).into_iter().map(of_axis).collect()
 }
 
 /// max |b''| by second differences, of each term of the memory.
@@ -279,6 +286,18 @@ fn gathered(exact: &Exact, direction: usize) -> Lines {
     let middles: Vec<f64> =
         (0..FINE).map(|i| size[direction] * (i as f64 + 0.5) / FINE as f64).collect();
     Lines { points: spread(starts, direction, &middles), lines }
+}
+
+/// Each point at all places of an axis, which vary fastest.
+fn spread(points: Vec<[f64; 3]>, axis: usize, places: &[f64]) -> Vec<[f64; 3]> {
+    let at_places = |point: [f64; 3]| {
+        places.iter().map(move |&place| {
+            let mut point = point;
+            point[axis] = place;
+            point
+        })
+    };
+    points.into_iter().flat_map(at_places).collect()
 }
 
 fn middle(i: usize, n: usize) -> f64 {

@@ -37,7 +37,7 @@ pub use yield_slope::{YieldSlope, ZetaFrom};
 
 use crate::{Body, Contact, ContactScene, Data, Scene, SceneError, Shape, Side};
 use algebra::linalg::EigenError;
-use exact::{ComplianceRule, ContactFormulas, Exact, ExactData, FrictionFormulas, Polytope};
+use exact::{ComplianceRule, ContactFormulas, Exact, ExactData, FrictionFormulas};
 use fem::contact::{Boundary, BoundaryRule, CaseError, Discretization, MemoryTerm, Model};
 use formula::Node;
 use vhi::finite::FiniteError;
@@ -271,11 +271,7 @@ fn exact(scene: &Scene, body: &ContactScene) -> Option<Exact> {
         size: body.domain.size.clone(),
         polytope: match &body.domain.shape {
             Shape::Box => None,
-            Shape::Refined(coarse) => Some(Polytope {
-                coarse: coarse.clone(),
-                clamped: side_numbers(&body.domain.clamped),
-                contact: side_numbers(&body.domain.contact),
-            }),
+            Shape::Refined(coarse) => Some(coarse.clone()),
         },
     }))
 }

@@ -1,58 +1,47 @@
 //! Regularity hypotheses: measured, and compared with what a scene claims to violate.
 
 use super::{AbstractSetup, Result, Setup};
-use crate::{AbstractScene, ContactScene, Face, Hypothesis, Scene, Shape, Side};
+use crate::{AbstractScene, ContactScene, Hypothesis, Scene, Side};
 use exact::{
-    Finding, SideOfBox, Status, regularity_in_space, regularity_in_time, second_difference,
+    BodyFace, Finding, Status, regularity_in_space, regularity_in_time, second_difference,
 };
 use formula::{EvaluationPoint, Node};
 
-/// The sides of a scene's rectangle or box; empty for other shapes.
-pub fn sides(body: &ContactScene) -> Vec<SideOfBox> {
+/// The boundary of a scene's body in plane pieces, for the checks of its exact solution.
+pub fn sides(body: &ContactScene) -> Vec<BodyFace> {
+    let domain = &body.domain;
     let of = |side: Side| {
-        let side_of_box = move |face: Face| SideOfBox {
-            normal: face.normal,
-            clamped: body.domain.clamped.contains(&side),
-            contact: body.domain.contact.contains(&side),
-        };
-        body.domain.faces(side).into_iter().map(side_of_box)
+        let [clamped, contact] =
+            [&domain.clamped, &domain.contact].map(|list| list.contains(&side));
+        let faces = domain.faces(side).into_iter();
+        faces.map(move |face| BodyFace { side: side.0, face, clamped, contact })
     };
-    match body.domain.shape {
-        Shape::Box => body.domain.all_sides().flat_map(of).collect(),
-        // The exact solution knows the triangles and their sides.
-        Shape::Refined(_) => Vec::new(),
-    }
+    domain.all_sides().flat_map(of).collect()
 }
 
 /// The regularity in time that Theorem 7 requires of an abstract scene: u_i on [0, T], and q_l(T, ·).
 pub fn abstract_regularity(scene: &Scene, problem: &AbstractScene) -> Vec<Finding> {
-    let (graph, horizon) = (&scene.formulas, scene.time.horizon);
-    let component = |(i, &node): (usize, &Node)| {
-        let value =
-            |t: f64| graph.evaluate(node, &EvaluationPoint { t, ..EvaluationPoint::default() });
-        let subject = format!("u_{} in W2,inf (3.17)", i + 1);
-        second_difference(&subject, "the component", horizon, value)
+    let horizon = scene.time.horizon;
+    let value = |node: Node, x: f64, t: f64| {
+        scene.formulas.evaluate(node, &EvaluationPoint { x, t, ..EvaluationPoint::default() })
     };
-    let mut findings: Vec<Finding> = problem.u.iter().enumerate().map(component).collect();
-    findings.extend(problem.kernels.iter().enumerate().map(|(l, kernel)| {
-        let value = |s: f64| {
-            let factor = graph.evaluate(
-                kernel.q,
-                &EvaluationPoint { x: s, t: horizon, ..EvaluationPoint::default() },
-            );
-            // 1 without a power, also at s = t.
-            factor * (horizon - s).powf(-kernel.power)
-        };
+    let mut findings = Vec::new();
+    for (i, &u) in problem.u.iter().enumerate() {
+        let subject = format!("u_{} in W2,inf (3.17)", i + 1);
+        findings.push(second_difference(&subject, "the component", horizon, |t| value(u, 0.0, t)));
+    }
+    for (l, kernel) in problem.kernels.iter().enumerate() {
+        // 1 without a power, also at s = t.
+        let q = |s: f64| value(kernel.q, s, horizon) * (horizon - s).powf(-kernel.power);
         let subject = format!("q_{}(T, .) in C2 (3.17)", l + 1);
-        second_difference(&subject, "the kernel", horizon, value)
-    }));
-    let inner =
-        problem.kernels.iter().enumerate().filter_map(|(l, kernel)| Some((l, kernel.inner?)));
-    findings.extend(inner.map(|(l, r)| {
-        let at = |tau: f64| EvaluationPoint { x: tau, t: horizon, ..EvaluationPoint::default() };
+        findings.push(second_difference(&subject, "the kernel", horizon, q));
+    }
+    for (l, kernel) in problem.kernels.iter().enumerate() {
+        let Some(r) = kernel.inner else { continue };
         let subject = format!("r_{}(T, .) in C2 (3.17)", l + 1);
-        second_difference(&subject, "the kernel", horizon, |tau| graph.evaluate(r, &at(tau)))
-    }));
+        let r = |tau: f64| value(r, tau, horizon);
+        findings.push(second_difference(&subject, "the kernel", horizon, r));
+    }
     findings
 }
 
@@ -72,8 +61,8 @@ pub(super) fn abstract_claims(setup: &AbstractSetup) -> Result<()> {
 /// A claim without a supporting finding.
 pub(super) fn contact_claims(setup: &Setup) -> Result<()> {
     let Some(exact) = &setup.exact else { return Ok(()) };
-    let sides = sides(&setup.body);
-    claim(&setup.scene, Hypothesis::RegularInSpace, || regularity_in_space(exact, &sides))?;
+    let faces = sides(&setup.body);
+    claim(&setup.scene, Hypothesis::RegularInSpace, || regularity_in_space(exact, &faces))?;
     claim(&setup.scene, Hypothesis::RegularInTime, || regularity_in_time(exact))
 }
 

@@ -35,10 +35,14 @@ fn exact(amplitude: &str, profile: &str) -> Exact {
     })
 }
 
+/// The side y = 0, in contact.
+fn bottom(size: &[f64]) -> BodyFace {
+    BodyFace { side: 2, face: Face::of_box(size, 2), clamped: false, contact: true }
+}
+
 /// Findings, by the first words of their subjects.
 fn statuses(amplitude: &str, profile: &str) -> [Status; 3] {
-    let bottom = SideOfBox { normal: [0.0, -1.0, 0.0], clamped: false, contact: true };
-    let findings = regularity(&exact(amplitude, profile), &[bottom]);
+    let findings = regularity(&exact(amplitude, profile), &[bottom(&[1.0, 1.0])]);
     ["u in W2,inf", "eps(u')", "u_nu in H2"].map(|subject| {
         let found = findings.iter().find(|finding| finding.subject.starts_with(subject));
         found.unwrap_or_else(|| panic!("no finding on {subject}")).status
@@ -105,8 +109,7 @@ fn both_directions_of_a_face_are_looked_at() {
             size,
             polytope: None,
         };
-        let bottom = SideOfBox { normal: [0.0, -1.0, 0.0], clamped: false, contact: true };
-        let findings = regularity(&Exact::new(data), &[bottom]);
+        let findings = regularity(&Exact::new(data), &[bottom(&[1.0, 1.0, 0.5])]);
         ["u in H2", "u_nu in H2"].map(|subject| {
             let found = findings.iter().find(|finding| finding.subject.starts_with(subject));
             found.expect("a finding").status
