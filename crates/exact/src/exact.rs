@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use super::AccumulatedStrain;
-use super::constitutive::{Tensor, full, stress};
+use super::constitutive::{Tensor, full};
 use super::curve::CurveNumbers;
 use super::friction::FrictionFormulas;
 use super::number::Number;
@@ -238,66 +238,31 @@ impl Exact {
         (0..points.len()).map(|p| full(|k| out[first + k][p])).collect()
     }
 
-    /// σ at points for a κ.
-    fn stress_for<const D: usize>(
-        &self,
-        points: &[[f64; 3]],
-        t: f64,
-        kappa: f64,
-    ) -> Vec<Tensor<D>> {
-        let out = self.interior.values(points, t, 0.0);
-        let (regions, mut memory) = (self.regions_at(points), Vec::new());
-        let one = |p: usize| {
-            let strain = self.tensors::<D, f64>(|k| out[k][p], &mut memory);
-            stress(self.material_in(regions[p]), &strain, &memory, kappa)
-        };
-        (0..points.len()).map(one).collect()
-    }
-
-    /// The largest of `known`, and of |u| and |σ| without the projection by components at points.
+    /// The largest of `known`, and of |u| and |σ| by components at points.
     pub fn sizes(&self, points: &[[f64; 3]], t: f64, known: [f64; 2]) -> [f64; 2] {
-        let u = self.interior.values(points, t, 0.0);
-        let most = |most: f64, value: f64| most.max(value.abs());
-        let of_u = u[..self.dimension()].iter().flatten().copied().fold(known[0], most);
-        [
-            of_u,
-            in_dimension!(self.dimension(), D, S => self.largest_stress::<D>(points, t, known[1])),
-        ]
+        let out = self.fields.values(points, t, self.zeta.at(t));
+        let parts = [&out[..self.dimension()], &out[self.dimension() + self.strain.len()..]];
+        let most = |part: usize| {
+            let values = parts[part].iter().flatten();
+            values.fold(known[part], |most, value| most.max(value.abs()))
+        };
+        [most(0), most(1)]
     }
 
-    fn largest_stress<const D: usize>(&self, points: &[[f64; 3]], t: f64, known: f64) -> f64 {
-        let stress = self.stress_for::<D>(points, t, f64::INFINITY);
-        let components = stress.iter().flatten().flatten();
-        components.fold(known, |most, value| most.max(value.abs()))
-    }
-
-    /// u_ν and |σ_τ| at points with the unit normal ν: the larger one without the projection and with all of it, κ = 0. Each
-    /// κ between leaves a mean of both, so this asks for no ζ.
+    /// u_ν and |σ_τ| at points with the unit normal ν.
     pub fn across(&self, normal: &[f64; 3], points: &[[f64; 3]], t: f64) -> Vec<[f64; 2]> {
-        in_dimension!(self.dimension(), D, S => self.across_in::<D>(normal, points, t))
-    }
-
-    fn across_in<const D: usize>(
-        &self,
-        normal: &[f64; 3],
-        points: &[[f64; 3]],
-        t: f64,
-    ) -> Vec<[f64; 2]> {
-        let u = self.interior.values(points, t, 0.0);
-        let along = |v: &dyn Fn(usize) -> f64| (0..D).map(|i| normal[i] * v(i)).sum::<f64>();
-        let of = |(p, sigma): (usize, &Tensor<D>)| {
-            let traction: [f64; D] = std::array::from_fn(|i| along(&|j| sigma[i][j]));
-            let pressed = along(&|i| traction[i]);
-            let sheared = (0..D).map(|i| (traction[i] - pressed * normal[i]).powi(2)).sum::<f64>();
-            [along(&|i| u[i][p]), sheared.sqrt()]
-        };
-        let by = |kappa: f64| self.stress_for::<D>(points, t, kappa);
-        let most = |([u, without], [_, with]): ([f64; 2], [f64; 2])| {
-            [u, if with > without || with.is_nan() { with } else { without }]
-        };
-        let both = [f64::INFINITY, 0.0].map(by);
-        let [without, with] = both.each_ref().map(|sigma| sigma.iter().enumerate().map(of));
-        without.zip(with).map(most).collect()
+        in_dimension!(self.dimension(), D => {
+            let sigma = self.stress_at::<D>(points, t);
+            let u = self.interior.values(points, t, 0.0);
+            let along = |v: [f64; D]| v.iter().zip(normal).map(|(v, n)| v * n).sum::<f64>();
+            let one = |(p, sigma): (usize, Tensor<D>)| {
+                let traction = sigma.map(along);
+                let pressed = along(traction);
+                let sheared = (0..D).map(|i| (traction[i] - pressed * normal[i]).powi(2));
+                [along(std::array::from_fn(|i| u[i][p])), sheared.sum::<f64>().sqrt()]
+            };
+            sigma.into_iter().enumerate().map(one).collect()
+        })
     }
 
     /// The numbers of a region.
