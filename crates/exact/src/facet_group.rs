@@ -77,8 +77,7 @@ pub(super) fn facet_groups(
             .into_iter()
             .map(|position| (position, mesh_facets[position] as usize))
             .collect();
-        let mut normal = [0.0; 3];
-        normal[..d].copy_from_slice(&part.normal[..d]);
+        let normal = part.normal;
         let sampled = |rule: &Rule| Sampled::new(members.iter().map(|(_, f)| mesh.facet(*f)), rule);
         let facets: Vec<usize> = members.iter().map(|(_, f)| *f).collect();
         let plane = plane(mesh, &facets, &normal);

@@ -49,8 +49,7 @@ pub(super) fn side_points(exact: &Exact, space: &Discretization) -> Vec<SidePoin
         members.dedup();
         let points: Vec<[f64; 3]> =
             members.iter().map(|&i| mesh.point(&[trace.points[i].vertex], &[1.0])).collect();
-        let mut normal = [0.0; 3];
-        normal[..d].copy_from_slice(&part.normal[..d]);
+        let normal = part.normal;
         let formulas = exact.boundary(part.side, &normal[..d]);
         let mut of_vertex = HashMap::new();
         let means = Shapes::of_facet(space.element, d).means();
