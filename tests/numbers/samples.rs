@@ -5,14 +5,14 @@
 use algebra::in_dimension;
 use algebra::linalg::{FactorError, larger, signed_unit};
 use algebra::tensor::contract;
-use fem::contact::{Discretization, MemoryTerm, strain_norm, stress_force};
+use fem::contact::{Discretization, GivenHistories, MemoryTerm, strain_norm, stress_force};
 use judge::claim::Claim;
 use nalgebra::DVector;
 use scene::setup::{AbstractConstants, Constants, Setup};
 use studies::theory::bound::sampled::{declared, sampled};
-use studies::theory::norms::{DualNorm, remembered, stress_norm};
+use studies::theory::norms::{DualNorm, stress_norm};
 use vhi::finite::FiniteModel;
-use vhi::history::{Accumulated, Memory, TimeGrid, Trapezoid};
+use vhi::history::{Accumulated, TimeGrid, Trapezoid};
 use vhi::law::{AnyProjection, Projection, TensorField};
 
 const SAMPLES: u32 = 200;
@@ -176,9 +176,7 @@ impl<'a, const D: usize, const S: usize> RandomStates<'a, D, S> {
     fn history_ratio(&mut self, memory: &[MemoryTerm], grid: &TimeGrid, still: bool) -> f64 {
         let length = self.space.nodes.len();
         let mut zeta = [Accumulated::default(), Accumulated::default()];
-        let each = memory.iter().map(|term| Memory::new(&*term.kernel, &Trapezoid, grid, length));
-        let mut past: Vec<Memory> = each.collect();
-        let mut distance = Accumulated::default();
+        let mut past = GivenHistories::new(memory, &Trapezoid, grid, length);
         let mut needed = 0f64;
         let (fixed, direction) = (self.displacement(), self.displacement());
         for n in 0..=grid.steps() {
@@ -191,13 +189,12 @@ impl<'a, const D: usize, const S: usize> RandomStates<'a, D, S> {
             let other: Vec<f64> = u.iter().zip(&d).map(|(u, d)| u + d).collect();
             zeta[0].commit(grid, strain_norm(self.space, &u));
             zeta[1].commit(grid, strain_norm(self.space, &other));
-            distance.commit(grid, strain_norm(self.space, &d));
-            let sums = remembered(memory, &mut past, &Trapezoid, (grid, n), &d);
+            let (sums, distance) = past.level((grid, n), &d, strain_norm(self.space, &d));
             if n > 0 {
                 let value = |sum: &Accumulated| sum.value(&Trapezoid, grid);
                 let left = (value(&zeta[0]) - value(&zeta[1])).abs()
                     + stress_norm(self.space, memory, &sums);
-                needed = larger(needed, left / value(&distance));
+                needed = larger(needed, left / distance);
             }
         }
         needed

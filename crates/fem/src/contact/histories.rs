@@ -1,8 +1,8 @@
-//! The histories of a run, one per term of its memory.
+//! The histories of a run, one per term of its memory, and those of vectors that are given.
 
-use super::{Discretization, Model};
+use super::{Discretization, MemoryTerm, Model};
 use algebra::linalg::axpy;
-use vhi::history::{Memory, TimeGrid};
+use vhi::history::{Accumulated, Memory, TimeGrid, TimeRule, last_weight};
 
 pub(super) struct Histories<'a> {
     space: &'a Discretization,
@@ -55,5 +55,53 @@ impl<'a> Histories<'a> {
 
     pub(super) fn bytes(&self) -> usize {
         self.memory.iter().map(Memory::bytes).sum()
+    }
+}
+
+/// The histories of vectors that are given level after level: nodal ones, or strains at points.
+pub struct GivenHistories<'a> {
+    terms: &'a [MemoryTerm],
+    rule: &'a dyn TimeRule,
+    memories: Vec<Memory>,
+    accumulated: Accumulated,
+}
+
+impl<'a> GivenHistories<'a> {
+    /// Before level 0 of vectors of this length.
+    pub fn new(
+        terms: &'a [MemoryTerm],
+        rule: &'a dyn TimeRule,
+        grid: &TimeGrid,
+        length: usize,
+    ) -> Self {
+        let memory = |term: &MemoryTerm| Memory::new(&*term.kernel, rule, grid, length);
+        let memories = terms.iter().map(memory).collect();
+        Self { terms, rule, memories, accumulated: Accumulated::default() }
+    }
+
+    /// Takes v_n and ‖ε_n‖ of level n; gives Σ_{j≤n} W_nj v_j of each term, and ζ_n.
+    pub fn level(
+        &mut self,
+        (grid, n): (&TimeGrid, usize),
+        v: &[f64],
+        norm: f64,
+    ) -> (Vec<Vec<f64>>, f64) {
+        let rule = self.rule;
+        let sum = |(term, memory): (&MemoryTerm, &mut Memory)| {
+            let (kernel, mut sum) = (&*term.kernel, vec![0.0; v.len()]);
+            memory.past(kernel, rule, grid, &mut sum);
+            axpy(last_weight(kernel, rule, grid, n), v, &mut sum);
+            memory.commit(grid, v);
+            sum
+        };
+        let sums = self.terms.iter().zip(&mut self.memories).map(sum).collect();
+        let zeta = self.accumulated.past(rule, grid) + rule.weight(grid, n, n) * norm;
+        self.accumulated.commit(grid, norm);
+        (sums, zeta)
+    }
+
+    /// Bytes held.
+    pub fn bytes(&self) -> usize {
+        self.memories.iter().map(Memory::bytes).sum()
     }
 }

@@ -22,11 +22,12 @@ pub use self::cause::cause_of;
 pub use self::in_process::{Answer, InProcess, Solve};
 pub use self::left::{Cause, Found};
 pub use self::process::{LOG, ProcessError, end_solvers, last_lines};
-use algebra::linalg::axpy;
-use fem::contact::{CaseError, CaseInfo, Discretization, Model, Observer, StepView, strain_norm};
+use fem::contact::{
+    CaseError, CaseInfo, Discretization, GivenHistories, Model, Observer, StepView, strain_norm,
+};
 use files::{remove_if_there, shortened};
 use scene::setup::{MeshData, Scheme, Setup};
-use vhi::history::{Accumulated, Memory, TimeGrid, last_weight};
+use vhi::history::TimeGrid;
 use vhi::law::Projection;
 
 /// How a case gets its answer.
@@ -146,16 +147,12 @@ fn show(
     [u, pressures]: [&[f64]; 2],
     observe: &mut Observer<'_>,
 ) -> Result<CaseInfo, CaseError> {
-    let (d, length) = (space.mesh.dimension, space.nodes.len());
+    let d = space.mesh.dimension;
     // Corners stand among the rows of an answer, also where the element has no nodes there.
     let row = space.mesh.vertices() * d;
     vanishes_where_clamped(space, grid, u)?;
-    let rule = model.time_rule.as_ref();
-    let terms = model.memory.iter();
-    let mut memory: Vec<Memory> =
-        terms.map(|term| Memory::new(&*term.kernel, rule, grid, length)).collect();
-    let mut history = vec![vec![0.0; length]; memory.len()];
-    let mut accumulated = Accumulated::default();
+    let mut histories =
+        GivenHistories::new(&model.memory, &*model.time_rule, grid, space.nodes.len());
     let mut info = CaseInfo::default();
     let points = space.trace.points.len();
     let no_multiplier = vec![0.0; points];
@@ -163,16 +160,9 @@ fn show(
         let level = &u[n * row..(n + 1) * row];
         let vertices = space.nodes.vertex.iter().map(|&vertex| vertex as usize * d);
         let nodal: Vec<f64> = vertices.flat_map(|at| level[at..at + d].iter().copied()).collect();
-        for ((memory, term), sum) in memory.iter_mut().zip(&model.memory).zip(&mut history) {
-            memory.past(&*term.kernel, rule, grid, sum);
-            axpy(last_weight(&*term.kernel, rule, grid, n), &nodal, sum);
-            memory.commit(grid, &nodal);
-        }
         let strain_norm = strain_norm(space, &nodal);
-        let zeta = accumulated.past(rule, grid) + rule.weight(grid, n, n) * strain_norm;
-        accumulated.commit(grid, strain_norm);
-        let bytes = memory.iter().map(Memory::bytes).sum();
-        info.peak_history_bytes = info.peak_history_bytes.max(bytes);
+        let (history, zeta) = histories.level((grid, n), &nodal, strain_norm);
+        info.peak_history_bytes = info.peak_history_bytes.max(histories.bytes());
         observe(&StepView {
             n,
             t: grid.time(n),

@@ -7,7 +7,6 @@
 
 use std::sync::Arc;
 
-use super::norms::remembered;
 use crate::study::{Asked, Result, Sizes, Study, StudyError};
 use algebra::tensor::{Symmetric, contract, norm};
 use exact::{
@@ -15,8 +14,8 @@ use exact::{
     Truth,
 };
 use fem::contact::{
-    BoundaryRule, CaseError, Discretization, LoadError, MemoryTerm, StepView, out_of_balance,
-    strain_norm,
+    BoundaryRule, CaseError, Discretization, GivenHistories, LoadError, MemoryTerm, StepView,
+    out_of_balance, strain_norm,
 };
 use fem::norms::{Moments, state_rule, step_errors, strain_error};
 use fem::space::quadrature::TruthRules;
@@ -30,7 +29,7 @@ use scene::setup::{MeshData, Setup, SetupError, constants, growth};
 use scene::{Extension, Face, Scene, SceneError, TimeRule};
 use serde::{Serialize, Serializer};
 use serde_json::json;
-use vhi::history::{Accumulated, Memory, TimeGrid};
+use vhi::history::TimeGrid;
 use vhi::law::{Potential, Projection};
 use vhi::monotonicity;
 
@@ -168,12 +167,6 @@ const STATEMENTS: [Statement; 9] = [
     Statement { source: "(5.23)", says: "|E_n| <= (|xi + lambda| + c0 + c1 |u_nu|) delta" },
 ];
 
-/// What S remembers of a field given level by level: Σ' b_i(t_n - t_j) v_j and Σ' ‖ε_j‖ by the rule of the scene.
-struct Past {
-    histories: Vec<Memory>,
-    accumulated: Accumulated,
-}
-
 /// Sees the levels of a run.
 pub struct Auditor<'a> {
     setup: &'a Setup,
@@ -188,7 +181,7 @@ pub struct Auditor<'a> {
     /// The truth of a body that only remembers: its σ is θ. None without memory.
     remembering: Option<Arc<dyn Truth>>,
     /// Of u, by its strains; of u^{kh}, by its nodal values.
-    past: [Past; 2],
+    past: [GivenHistories<'a>; 2],
     /// Σ_{j ≤ n} ‖u_j - u_j^{kh}‖_V.
     errors: f64,
     n: u32,
@@ -290,9 +283,7 @@ impl<'a> Auditor<'a> {
         let nodes: Vec<[f64; 3]> =
             space.nodes.vertex.iter().map(|&v| space.mesh.point(&[v], &[1.0])).collect();
         let past = [3 * space.geometry.points(), space.nodes.len()].map(|length| {
-            let (rule, terms) = (&*setup.model.time_rule, setup.model.memory.iter());
-            let empty = terms.map(|term| Memory::new(&*term.kernel, rule, &grid, length));
-            Past { histories: empty.collect(), accumulated: Accumulated::default() }
+            GivenHistories::new(&setup.model.memory, &*setup.model.time_rule, &grid, length)
         });
         Ok(Self {
             nodal: Program::compile(&exact.data.graph, &exact.data.u, exact.data.horizon)
@@ -328,8 +319,8 @@ impl<'a> Auditor<'a> {
         let size = strain_error(space, &vec![0.0; v.len()], &truth);
         let [of_u, of_u_h] = &mut self.past;
         let at = (&self.grid, view.n);
-        let (by_rule, zeta_by_rule) = of_u.level(self.setup, at, &truth.strain.at, size);
-        let (history, zeta_h) = of_u_h.level(self.setup, at, view.u, strain_norm(space, view.u));
+        let (by_rule, zeta_by_rule) = of_u.level(at, &truth.strain.at, size);
+        let (history, zeta_h) = of_u_h.level(at, view.u, strain_norm(space, view.u));
         let limit = model.projection.limit();
         let kappa = limit.map_or(f64::INFINITY, |limit| limit.value(zeta_h));
         let shown = StepView { history: &history, zeta: zeta_h, kappa, ..*view };
@@ -533,22 +524,6 @@ impl<'a> Auditor<'a> {
         let view = StepView { compliance: &compliance, multiplier: &free, ..*shown };
         let balance = out_of_balance(space, model, &view, load);
         balance.iter().zip(v.iter().zip(shown.u)).map(|(b, (v, u_h))| b * (v - u_h)).sum()
-    }
-}
-
-impl Past {
-    /// Takes v_n and ‖ε_n‖; gives the sums at n.
-    fn level(
-        &mut self,
-        setup: &Setup,
-        (grid, n): (&TimeGrid, usize),
-        v: &[f64],
-        norm: f64,
-    ) -> (Vec<Vec<f64>>, f64) {
-        let rule = &*setup.model.time_rule;
-        let sums = remembered(&setup.model.memory, &mut self.histories, rule, (grid, n), v);
-        self.accumulated.commit(grid, norm);
-        (sums, self.accumulated.value(rule, grid))
     }
 }
 

@@ -1,12 +1,11 @@
 //! The dual norm of V^h, and that of the stresses which the rule in time remembers.
 
 use algebra::in_dimension;
-use algebra::linalg::{FactorError, axpy, dot};
+use algebra::linalg::{FactorError, dot};
 use algebra::tensor::contract;
 use fem::contact::{Discretization, MemoryTerm, StiffnessInverse};
 use fem::space::StrainPoint;
-use vhi::history::{Memory, TimeGrid, TimeRule};
-use vhi::law::{Convolution, TensorField};
+use vhi::law::TensorField;
 
 /// ‖F‖_* = sup F(v)/‖ε(v)‖ over V^h, by one solve with the strain stiffness.
 pub struct DualNorm<'a> {
@@ -45,22 +44,4 @@ pub fn stress_norm(space: &Discretization, terms: &[MemoryTerm], v: &[Vec<f64>])
         space.points().map(square).sum()
     }
     in_dimension!(space.mesh.dimension, D, S => sum::<S>(space, terms, v)).sqrt()
-}
-
-/// Σ_{j ≤ n} W_nj v_j by the kernel of each term; `histories` have v_0, …, v_{n-1} and take v_n = `v`.
-pub fn remembered(
-    terms: &[MemoryTerm],
-    histories: &mut [Memory],
-    rule: &dyn TimeRule,
-    (grid, n): (&TimeGrid, usize),
-    v: &[f64],
-) -> Vec<Vec<f64>> {
-    let sum = |(term, history): (&MemoryTerm, &mut Memory)| {
-        let (kernel, mut sum) = (&*term.kernel, vec![0.0; v.len()]);
-        history.past(kernel, rule, grid, &mut sum);
-        history.commit(grid, v);
-        axpy(rule.kernel_weight(&Convolution(kernel), grid, n, n), v, &mut sum);
-        sum
-    };
-    terms.iter().zip(histories).map(sum).collect()
 }

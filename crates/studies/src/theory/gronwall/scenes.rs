@@ -6,7 +6,7 @@
 //! The truth is the exact u(t) in V^h, or a run with many more steps on the same mesh. Either solves the spatially discrete
 //! problem with the history S_n u of its solution, which is all that (3.21) asks of it.
 
-use super::super::norms::{DualNorm, remembered, stress_norm};
+use super::super::norms::{DualNorm, stress_norm};
 use super::recurrence::{
     Estimate, GivenLoads, HistoryPart, InTime, KernelNorms, Known, Levels, NO_HISTORY, OWN_WEIGHTS,
     Terms, Weights, named, refused, smallness,
@@ -14,13 +14,14 @@ use super::recurrence::{
 use crate::study::{Result, StudyError};
 use exact::InterpolatedOnMesh;
 use fem::contact::{
-    Load, LoadError, MemoryTerm, Model, StepView, kkt_residual, march, strain_distance, strain_norm,
+    GivenHistories, Load, LoadError, Model, StepView, kkt_residual, march, strain_distance,
+    strain_norm,
 };
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
 use run::sweep::lowest_common_multiple;
 use scene::setup::{AbstractSetup, MeshData, Setup, constants};
 use vhi::finite::{self, FiniteError, FiniteLoad, FiniteModel};
-use vhi::history::{Accumulated, Memory, TimeGrid};
+use vhi::history::TimeGrid;
 use vhi::law::{Convolution, HistoryKernel, TensorField};
 use vhi::{Newton, monotonicity};
 
@@ -220,17 +221,15 @@ impl InTime for ContactInTime<'_> {
     fn known(&self, grid: &TimeGrid) -> Result<Known> {
         let Self { setup, data: MeshData { space, .. }, truth, constants } = self;
         let (terms, rule) = (&setup.model.memory, constants.weights.rule());
-        let empty = |term: &MemoryTerm| Memory::new(&*term.kernel, &*rule, grid, space.nodes.len());
-        let mut histories: Vec<Memory> = terms.iter().map(empty).collect();
-        let (mut accumulated, mut size) = (Accumulated::default(), 0f64);
+        let mut histories = GivenHistories::new(terms, &*rule, grid, space.nodes.len());
+        let mut size = 0f64;
         let (mut u, mut truncation) = (Vec::new(), [Vec::new(), Vec::new()]);
         for (n, level) in truth.levels(setup, grid.steps() as u32)?.into_iter().enumerate() {
             let norm = strain_norm(space, &level.u);
             size = size.max(norm);
-            accumulated.commit(grid, norm);
-            let off = || (level.zeta - accumulated.value(&*rule, grid)).abs();
+            let (mut missed, zeta) = histories.level((grid, n), &level.u, norm);
+            let off = || (level.zeta - zeta).abs();
             truncation[0].push(if constants.has_zeta() { off() } else { 0.0 });
-            let mut missed = remembered(terms, &mut histories, &*rule, (grid, n), &level.u);
             for (missed, exact) in missed.iter_mut().zip(&level.memory) {
                 missed.iter_mut().zip(exact).for_each(|(sum, exact)| *sum = exact - *sum);
             }
