@@ -23,9 +23,7 @@ pub(super) fn read_until(
     if !table.exists() {
         return Err(AnswerError::Missing(dir.to_owned()));
     }
-    let numbers = read_table(&table, shape, until)?;
-    finite(&table, &numbers, shape[0])?;
-    Ok(numbers)
+    read_table(&table, shape, until)
 }
 
 pub(super) fn read_pressures(
@@ -58,20 +56,7 @@ fn read_array(
     let mut data = Vec::with_capacity(bytes);
     // The file may grow meanwhile.
     file.take(bytes as u64).read_to_end(&mut data).map_err(AnswerError::at(&path))?;
-    let array = numbers(shape, &data).map_err(no_array)?;
-    finite(&path, &array.numbers, wanted[0])?;
-    Ok(array.numbers)
-}
-
-fn finite(path: &Path, numbers: &[f64], levels: usize) -> Result<(), AnswerError> {
-    let row = numbers.len() / levels.max(1);
-    match numbers.iter().position(|number| !number.is_finite()) {
-        None => Ok(()),
-        Some(at) => {
-            let (value, path) = (numbers[at], path.to_owned());
-            Err(AnswerError::NotFinite { path, value, n: at / row, row: at % row })
-        }
-    }
+    numbers(shape, &data).map(|array| array.numbers).map_err(no_array)
 }
 
 /// Two counters and three numbers of 25 letters take 95 bytes; the rest is for blanks.
@@ -276,8 +261,6 @@ pub enum AnswerError {
     Npy { path: PathBuf, source: NpyError },
     #[error("{}: shape {found:?} where {wanted:?} ({axes}) is wanted", path.display())]
     Shape { path: PathBuf, found: Vec<usize>, wanted: Vec<usize>, axes: &'static str },
-    #[error("{}: {value} at level {n}, row {row}", path.display())]
-    NotFinite { path: PathBuf, value: f64, n: usize, row: usize },
     #[error("{}, line {line}: {reason}", path.display())]
     Row { path: PathBuf, line: u64, reason: String },
 }

@@ -37,21 +37,16 @@ impl<S: Solve> Scheme for InProcess<S> {
         let (space, grid) = (&*data.space, setup.grid(steps));
         let given = Given::new(setup, data, steps)?;
         let solved = data.comparing_beside(setup, || self.0.solve(&given, data));
-        let answer = solved.map_err(CaseError::Outside)?;
+        let solved = solved.map_err(CaseError::Outside)?;
         let (levels, points) = (grid.steps() + 1, space.trace.points.len());
-        let pressure = answer.pressure.unwrap_or_else(|| vec![f64::NAN; levels * points]);
-        let lengths = [answer.displacement.len(), pressure.len()];
+        let Answer { displacement, pressure } = solved;
+        let lengths = [displacement.len(), pressure.as_ref().map_or(levels * points, Vec::len)];
         let wanted = [given.loads.numbers.len(), levels * points];
         if lengths != wanted {
             let message =
                 format!("{lengths:?} displacements and pressures, but {wanted:?} are expected");
             return Err(CaseError::Outside(message));
         }
-        if let Some(at) = answer.displacement.iter().position(|u| !u.is_finite()) {
-            let (row, u) = (answer.displacement.len() / levels, answer.displacement[at]);
-            let message = format!("{u} at level {}, row {}", at / row, at % row);
-            return Err(CaseError::Outside(message));
-        }
-        show(space, &setup.model, &grid, [&answer.displacement, &pressure], observe)
+        show(space, &setup.model, &grid, (&displacement, pressure), observe)
     }
 }

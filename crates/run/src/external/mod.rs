@@ -74,11 +74,9 @@ impl Scheme for ExternalSolver {
         let wanted = Wanted { levels, vertices: space.mesh.vertices(), dimension: d };
         let u = read_until(&dir, &wanted, until).map_err(said)?;
         let points = space.trace.points.len();
-        let pressures = match self.pressures && points > 0 {
-            true => read_pressures(&dir, [levels, points], until).map_err(said)?,
-            false => vec![f64::NAN; levels * points],
-        };
-        show(space, &setup.model, &grid, [&u, &pressures], observe)
+        let given = (self.pressures && points > 0)
+            .then(|| read_pressures(&dir, [levels, points], until).map_err(said));
+        show(space, &setup.model, &grid, (&u, given.transpose()?), observe)
     }
 }
 
@@ -93,6 +91,15 @@ fn said(error: impl std::fmt::Display) -> CaseError {
 fn forget(dir: &Path) -> Result<(), CaseError> {
     let named = [DISPLACEMENT, DISPLACEMENT_TABLE, PRESSURE];
     named.iter().try_for_each(|name| remove_if_there(&dir.join(name))).map_err(said)
+}
+
+/// Refuses NaN and infinity in the rows of levels.
+fn finite(what: &str, values: &[f64], levels: usize) -> Result<(), CaseError> {
+    let row = values.len() / levels;
+    values.iter().position(|value| !value.is_finite()).map_or(Ok(()), |at| {
+        let (value, n, row) = (values[at], at / row, at % row);
+        Err(said(format!("{what}: {value} at level {n}, row {row}")))
+    })
 }
 
 /// Largest value on Γ1 as a share of the largest displacement: conditions by a penalty of 1e10 leave less.
@@ -144,19 +151,22 @@ fn show(
     space: &Discretization,
     model: &Model,
     grid: &TimeGrid,
-    [u, pressures]: [&[f64]; 2],
+    (u, pressures): (&[f64], Option<Vec<f64>>),
     observe: &mut Observer<'_>,
 ) -> Result<CaseInfo, CaseError> {
     let d = space.mesh.dimension;
     // Corners stand among the rows of an answer, also where the element has no nodes there.
     let row = space.mesh.vertices() * d;
+    let (levels, points) = (grid.steps() + 1, space.trace.points.len());
+    finite("displacement", u, levels)?;
+    pressures.iter().try_for_each(|given| finite("pressure", given, levels))?;
     vanishes_where_clamped(space, grid, u)?;
+    let pressures = pressures.unwrap_or_else(|| vec![f64::NAN; levels * points]);
     let mut histories =
         GivenHistories::new(&model.memory, &*model.time_rule, grid, space.nodes.len());
     let mut info = CaseInfo::default();
-    let points = space.trace.points.len();
     let no_multiplier = vec![0.0; points];
-    for n in 0..=grid.steps() {
+    for n in 0..levels {
         let level = &u[n * row..(n + 1) * row];
         let vertices = space.nodes.vertex.iter().map(|&vertex| vertex as usize * d);
         let nodal: Vec<f64> = vertices.flat_map(|at| level[at..at + d].iter().copied()).collect();
