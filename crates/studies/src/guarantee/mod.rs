@@ -30,14 +30,14 @@ pub use self::densities::GuaranteeError;
 
 use self::densities::Densities;
 use self::equilibrium::{Equilibrium, Stress, Triangle};
-use algebra::linalg::largest;
+use algebra::linalg::larger;
 use algebra::tensor::contract;
 use exact::{Exact, Status, check};
 use fem::contact::{Discretization, Model, StepView, weighted_memory};
 use fem::space::quadrature::{Rule, triangle_degree_8};
 use fem::space::{StrainPoint, StrainShapes};
 use formula::BoundProgram;
-use nalgebra::DMatrix;
+use nalgebra::Matrix3;
 use scene::setup::{MeshData, Setup, side_numbers, sides};
 use vhi::Newton;
 use vhi::history::TimeGrid;
@@ -308,7 +308,7 @@ pub(super) fn weights(model: &Model, grid: &TimeGrid, n: usize) -> Vec<f64> {
             model.time_rule.kernel_weight(&Convolution(kernel), grid, n, j)
         };
         let sum = weighted_memory(&model.memory, of, 2);
-        sum.map_or(0.0, |sum| largest(&quotients(&sum, &model.elasticity, 2)))
+        sum.map_or(0.0, |sum| quotient(&sum, &model.elasticity))
     };
     (0..=n).map(weight).collect()
 }
@@ -361,28 +361,15 @@ impl Strains {
     }
 }
 
-// Quotients of two tensors.
-
-/// The eigenvalues of 𝒜⁻¹𝒞 on S^d in all regions.
-pub(crate) fn quotients(tensor: &TensorField, elastic: &TensorField, d: usize) -> Vec<f64> {
+/// The largest eigenvalue of 𝒜⁻¹𝒞 on S² in all regions, by size.
+fn quotient(tensor: &TensorField, elastic: &TensorField) -> f64 {
     let count = tensor.regions().len().max(elastic.regions().len());
-    (0..count).flat_map(|region| on_region(tensor.on(region), elastic.on(region), d)).collect()
-}
-
-/// Those of L⁻¹𝒞L⁻ᵀ with 𝒜 = LLᵀ; none if 𝒜 is not positive definite.
-fn on_region(tensor: &FourthOrder, elastic: &FourthOrder, d: usize) -> Vec<f64> {
-    if let (FourthOrder::Isotropic(b), FourthOrder::Isotropic(a)) = (tensor, elastic) {
-        // 2μ on deviators, 2μ + dλ on spheres.
-        let spheres = |lambda: f64, mu: f64| 2.0 * mu + d as f64 * lambda;
-        return vec![b.mu / a.mu, spheres(b.lambda, b.mu) / spheres(a.lambda, a.mu)];
-    }
-    let dense = |tensor: &FourthOrder| match d {
-        2 => DMatrix::from_fn(3, 3, |i, j| tensor.matrix::<3>()[i][j]),
-        _ => DMatrix::from_fn(6, 6, |i, j| tensor.matrix::<6>()[i][j]),
+    let dense = |tensor: &FourthOrder| Matrix3::from(tensor.matrix::<3>());
+    // That of L⁻¹𝒞L⁻ᵀ with 𝒜 = LLᵀ.
+    let on_region = |region: usize| {
+        let inverse = dense(elastic.on(region)).cholesky()?.l().try_inverse()?;
+        let both = inverse * dense(tensor.on(region)) * inverse.transpose();
+        Some(both.symmetric_eigenvalues().amax())
     };
-    let Some(factor) = dense(elastic).cholesky() else { return Vec::new() };
-    let lower = factor.l();
-    let half = lower.solve_lower_triangular(&dense(tensor));
-    let both = half.and_then(|half| lower.solve_lower_triangular(&half.transpose()));
-    both.map_or_else(Vec::new, |both| both.symmetric_eigenvalues().iter().copied().collect())
+    (0..count).filter_map(on_region).fold(0.0, larger)
 }
