@@ -24,6 +24,7 @@ use run::sweep::{
 };
 use scene::setup::{Constants, Setup, Smallness, Subject, constants, sides};
 use scene::{Data, Hypothesis, Prediction, RelaxationTerm, Scene};
+use serde::Serialize;
 use serde_json::Value;
 use studies::theory::bound::sampled::table_of_body;
 use studies::theory::corner::{Corner, corners};
@@ -88,8 +89,12 @@ impl Check {
         admit_plan(plan, 1, limit, beside)?;
         let mut measured = Vec::new();
         for case in &plan.cases {
-            let rows = plan.floors(case)?;
-            measured.extend(rows.into_iter().map(|row| (case.clone(), row)));
+            measured.extend(plan.floors(case)?.into_iter().map(|row| Measured {
+                n: case.n,
+                steps: case.steps,
+                ratio: row.estimated / row.measured,
+                row,
+            }));
         }
         plan.cases = all;
         Ok(measured)
@@ -97,7 +102,14 @@ impl Check {
 }
 
 /// A floor with its case.
-type Measured = (CasePlan, FloorRow);
+#[derive(Serialize)]
+struct Measured {
+    n: Option<u32>,
+    steps: u32,
+    #[serde(flatten)]
+    row: FloorRow,
+    ratio: f64,
+}
 
 fn findings(plan: &ScenePlan, limit: &MemoryLimit) -> Result<Vec<Finding>, CliError> {
     let setup = match &plan.subject {
@@ -149,7 +161,7 @@ fn document(
     let reference = plan.reference.zip(costs.reference);
     let mut document = serde_json::json!({
         "scene": scene.name,
-        "findings": findings.iter().map(row).collect::<Vec<_>>(),
+        "findings": findings,
         "terms": terms(scene),
         "truth": truth(scene),
         "regions": regions(plan),
@@ -161,7 +173,7 @@ fn document(
         "constants": predicted_constants(plan),
     });
     if let Some(floors) = floors {
-        document["floors"] = floors.iter().map(floor_json).collect();
+        document["floors"] = serde_json::json!(floors);
     }
     document
 }
@@ -212,19 +224,6 @@ fn print_in_words(scene: &Scene, document: &Value) {
     }
 }
 
-fn floor_json((case, row): &Measured) -> Value {
-    serde_json::json!({
-        "n": case.n,
-        "steps": case.steps,
-        "norm": row.norm.name(),
-        "part": row.part.name(),
-        "error": row.error,
-        "measured": row.measured,
-        "estimated": row.estimated,
-        "ratio": row.estimated / row.measured,
-    })
-}
-
 fn run_json(n: Option<u32>, steps: u32, cost: &Cost) -> Value {
     serde_json::json!({
         "n": n,
@@ -237,8 +236,13 @@ fn run_json(n: Option<u32>, steps: u32, cost: &Cost) -> Value {
 fn case_json(plan: &ScenePlan, case: &CasePlan, cost: &Cost) -> Value {
     let mut json = run_json(case.n, case.steps, cost);
     json["dofs"] = cost.dofs.into();
-    json["history_bytes"] = history_bytes(&plan.subject, case.steps, cost.dofs).into();
-    json["norms"] = case.norms.iter().map(|norm| norm.name()).collect();
+    // Of the vectors of unknowns.
+    let vectors = match &plan.subject {
+        Subject::Contact(setup) => setup.history_vectors(case.steps),
+        Subject::Abstract(_) => case.steps as usize + 1,
+    };
+    json["history_bytes"] = (vectors * cost.dofs * size_of::<f64>()).into();
+    json["norms"] = serde_json::json!(case.norms);
     json
 }
 
@@ -262,15 +266,6 @@ fn of_meshes(plan: &ScenePlan, costs: &PlanCost, words: impl Fn(&Cost) -> &'stat
         format!("{name} for n = {}", list.join(", "))
     });
     each.collect::<Vec<_>>().join("; ")
-}
-
-/// Bytes of the vectors of unknowns in a history.
-fn history_bytes(subject: &Subject, steps: u32, dofs: usize) -> usize {
-    let vectors = match subject {
-        Subject::Contact(setup) => setup.history_vectors(steps),
-        Subject::Abstract(_) => steps as usize + 1,
-    };
-    vectors * dofs * size_of::<f64>()
 }
 
 fn algorithm(subject: &Subject, plan: Plan) -> &'static str {
@@ -339,15 +334,6 @@ fn history(plan: &ScenePlan) -> String {
             format!("{} terms: {}", terms.len(), each.join("; "))
         }
     }
-}
-
-fn row(finding: &Finding) -> Value {
-    serde_json::json!({
-        "subject": finding.subject,
-        "status": finding.status.name(),
-        "value": finding.value,
-        "text": finding.text,
-    })
 }
 
 /// The order in h at a corner, for given loads.

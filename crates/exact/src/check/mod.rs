@@ -13,9 +13,11 @@ pub use smoothness::second_difference;
 
 use super::Exact;
 use fem::mesh::Face;
+use serde::Serialize;
 
 /// How a line of the report is to be read.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "lowercase")]
 pub enum Status {
     Verified,
     /// A fact without a claim.
@@ -25,24 +27,12 @@ pub enum Status {
     /// The accuracy of a number does not decide.
     Unknown,
     /// The data are inconsistent.
+    #[serde(rename = "FAILED")]
     Failed,
 }
 
-impl Status {
-    /// Its word in reports.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Verified => "verified",
-            Self::Fact => "fact",
-            Self::Weak => "weak",
-            Self::Unknown => "unknown",
-            Self::Failed => "FAILED",
-        }
-    }
-}
-
 /// One line of the report.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Finding {
     /// What was looked at.
     pub subject: String,

@@ -16,36 +16,27 @@ use fem::norms::step_errors;
 use fem::space::quadrature::TruthRules;
 use scene::setup::{AbstractLoad, AbstractSetup, MeshData, Setup, SetupError, reference_run};
 use scene::{Norm, Reference};
+use serde::Serialize;
 use vhi::finite::{FiniteError, march};
 use vhi::{Newton, Polished, StepSolver};
 
 /// The source of a floor.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "lowercase")]
 pub enum FloorPart {
     /// The accepted residual of the solver.
     Solver,
     /// The recursion of the history against the direct sum.
     History,
+    #[serde(rename = "load quadrature")]
     Load,
+    #[serde(rename = "error quadrature")]
     Error,
     Reference,
 }
 
-impl FloorPart {
-    /// Its name in tables.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Solver => "solver",
-            Self::History => "history",
-            Self::Load => "load quadrature",
-            Self::Error => "error quadrature",
-            Self::Reference => "reference",
-        }
-    }
-}
-
 /// One part of the floor of one norm.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct FloorRow {
     pub norm: Norm,
     pub part: FloorPart,
