@@ -302,12 +302,6 @@ impl What {
     }
 
     pub(super) fn plans(&self, scenes: &Scenes) -> Result<Vec<ScenePlan>, CliError> {
-        let overrides = self.chosen.grid.overrides();
-        let (limit, selected) = (self.allowance.limit(), scenes.select(&self.chosen.scenes)?);
-        let plans = self.chosen.plans(selected, &overrides, &limit, Ok)?;
-        if plans.is_empty() {
-            return Err(Chosen::none(scenes, "run"));
-        }
-        Ok(plans)
+        self.chosen.plans(scenes, &self.allowance.limit())
     }
 }

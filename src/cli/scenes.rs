@@ -140,45 +140,44 @@ impl Chosen {
         !self.scenes.is_empty()
     }
 
-    /// What `then` makes of the plans of scenes, a scene at a time per thread, in their order; `overrides` are the grids of
-    /// the command line. Scenes that have to be named are left out: long ones, and those without a grid.
-    pub(super) fn plans<T: Send>(
+    /// The plans of the scenes, a scene at a time per thread, in their order. Scenes that have to be named are left out:
+    /// long ones, and those without a grid.
+    pub(super) fn plans(
         &self,
-        scenes: Vec<Scene>,
-        overrides: &Overrides,
+        scenes: &Scenes,
         limit: &MemoryLimit,
-        then: impl Fn(ScenePlan) -> Result<T, CliError> + Sync,
-    ) -> Result<Vec<T>, CliError> {
+    ) -> Result<Vec<ScenePlan>, CliError> {
+        let (overrides, selected) = (self.grid.overrides(), scenes.select(&self.scenes)?);
         share_threads()?;
         let one = |scene: Scene| {
             if scene.long && !self.all && !self.named() {
                 return Ok(None);
             }
             self.grid.check(&scene)?;
-            let plan = ScenePlan::new(subject(scene, limit)?, overrides);
+            let plan = ScenePlan::new(subject(scene, limit)?, &overrides);
             match (plan.cases.is_empty(), self.named()) {
                 (true, false) => return Ok(None),
                 (true, true) => return Err(plan.scene().no_case("run").into()),
                 (false, _) => {}
             }
-            let (name, remark) = (plan.scene().name.clone(), plan.step_remark()?);
-            Ok::<_, CliError>(Some((name, remark, then(plan)?)))
+            let remark = plan.step_remark()?;
+            Ok::<_, CliError>(Some((plan, remark)))
         };
-        let found: Vec<_> = scenes.into_par_iter().map(one).collect();
-        let mut made = Vec::new();
+        let found: Vec<_> = selected.into_par_iter().map(one).collect();
+        let mut plans = Vec::new();
         for scene in found {
-            let Some((name, remark, value)) = scene? else { continue };
+            let Some((plan, remark)) = scene? else { continue };
             if let Some(remark) = remark {
-                super::output::remark(&name, &remark);
+                super::output::remark(&plan.scene().name, &remark);
             }
-            made.push(value);
+            plans.push(plan);
         }
-        Ok(made)
-    }
-
-    /// The error if there is no plan at all.
-    pub(super) fn none(scenes: &Scenes, purpose: &str) -> CliError {
-        let place = scenes.place();
-        CliError::other(format!("no scene to {purpose} {place}: name one, or add --all"))
+        if plans.is_empty() {
+            let place = scenes.place();
+            return Err(CliError::other(format!(
+                "no scene to run {place}: name one, or add --all"
+            )));
+        }
+        Ok(plans)
     }
 }
