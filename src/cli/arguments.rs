@@ -12,7 +12,6 @@ use clap::{Args, CommandFactory, FromArgMatches, Parser, Subcommand};
 use clap_complete::Shell;
 use files::{counted, make_directory};
 use scene::nearest;
-use studies::theory::STUDIES;
 
 /// Verify predicted orders of convergence, of contact problems or of your own program
 #[derive(Parser)]
@@ -74,23 +73,14 @@ pub(super) enum Command {
 
 // Grouped help, and hints for unknown commands.
 
-/// The group of [`STUDIES`].
-const THEORY: &str = "Theory";
 const GROUPS: [(&str, &[&str]); 6] = [
     ("Judge", &["run", "gate", "baseline", "fit", "verify", "report"]),
     ("Understand", &["list", "check", "solve", "diagnose"]),
-    (THEORY, &[]),
+    ("Theory", &["audit", "bound", "gronwall", "estimators"]),
     ("Cost and limits", &["trade", "extremes"]),
     ("Many machines", &["merge"]),
     ("Shell", &["completions", "man", "help"]),
 ];
-
-fn groups() -> impl Iterator<Item = (&'static str, Vec<&'static str>)> {
-    GROUPS.into_iter().map(|(title, names)| match title {
-        THEORY => (title, STUDIES.map(|study| study.name).to_vec()),
-        _ => (title, names.to_vec()),
-    })
-}
 
 pub(super) fn parsed(words: impl IntoIterator<Item = OsString>) -> Result<Arguments, clap::Error> {
     let mut command = Arguments::command();
@@ -107,11 +97,11 @@ fn template(command: &clap::Command) -> String {
         let about_command = command.find_subcommand(name).and_then(clap::Command::get_about);
         format!("  {name:<12} {}\n", about_command.map(ToString::to_string).unwrap_or_default())
     };
-    let group = |(title, names): (&str, Vec<&str>)| {
+    let group = |(title, names): (&str, &[&str])| {
         let lines: String = names.iter().map(|name| about(name)).collect();
         format!("{title}:\n{lines}\n")
     };
-    let groups: String = groups().map(group).collect();
+    let groups: String = GROUPS.into_iter().map(group).collect();
     format!(
         "{{about-with-newline}}\n{{usage-heading}} {{usage}}\n\n{groups}Options:\n{{options}}{{after-help}}\n"
     )
@@ -124,7 +114,7 @@ pub(super) fn hint(said: &clap::Error) -> Option<String> {
     };
     let registry = Scenes::new(None).registry().ok();
     let scenes: Vec<&str> = registry.iter().flat_map(|registry| registry.names()).collect();
-    let commands = groups().flat_map(|(_, names)| names);
+    let commands = GROUPS.iter().flat_map(|(_, names)| names.iter().copied());
     let of_scene =
         |scene: &str| format!("`sweep run {scene}` runs it, `sweep check {scene}` says what it is");
     if scenes.contains(&word.as_str()) {
@@ -201,7 +191,7 @@ mod tests {
         let mut command = Arguments::command();
         command.build();
         let mut there: Vec<&str> = command.get_subcommands().map(clap::Command::get_name).collect();
-        let mut grouped: Vec<&str> = groups().flat_map(|(_, names)| names).collect();
+        let mut grouped: Vec<&str> = GROUPS.map(|(_, names)| names).concat();
         there.sort_unstable();
         grouped.sort_unstable();
         assert_eq!(there, grouped);
@@ -210,7 +200,7 @@ mod tests {
             text.contains("  run          Run refinement sweeps")
                 && !text.contains("  run          \n")
         );
-        assert!(STUDIES.iter().all(|study| text.contains(study.about)), "{text}");
+        assert!(text.contains("  bound        Step-size bound (3.4)"), "{text}");
     }
 
     #[test]

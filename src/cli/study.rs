@@ -1,17 +1,17 @@
 //! The commands of the studies. Each prints JSON or its document and, with --out, writes files.
 
+use std::ops::RangeInclusive;
 use std::path::{Path, PathBuf};
 
 use super::machine::{Common, processors, share_threads};
 use super::{CliError, Scenes, note_groups, print_json, print_text, width};
-use clap::error::ErrorKind;
-use clap::{ArgAction, ArgMatches, Args, Command, FromArgMatches, Subcommand, value_parser};
+use clap::{Arg, ArgAction, Args, Subcommand, value_parser};
 use files::{counted, make_directory};
 use report::{Findings, StudyDocument};
 use studies::diagnose::{admit_diagnosis, diagnose};
 use studies::extremes::{Ladder, UnderTest, admit, catalogue, climb, found};
 use studies::study::{Asked, Study};
-use studies::theory::STUDIES;
+use studies::theory::{audit, bound, estimators, gronwall};
 use studies::trade::{Trade, Wanted, measurable, trade};
 
 /// Prints findings, and writes their files if a directory is given. The exit code: 1 unless every claim holds.
@@ -28,16 +28,42 @@ pub(super) fn show(findings: &Findings, out: Option<&Path>, as_json: bool) -> Re
     Ok(u8::from(!findings.holds()))
 }
 
-// `sweep audit`, `bound`, `gronwall`: the studies of one scene, each by what it says of itself.
+// `sweep audit`, `bound`, `gronwall`, `estimators`: the studies of one scene.
 
-/// One of [`STUDIES`].
-pub(crate) struct StudyCommand {
-    study: &'static Study,
-    arguments: StudyArguments,
+#[derive(Subcommand)]
+pub(crate) enum StudyCommand {
+    /// Check the proofs of Theorems 10 and 11 line by line on real runs
+    #[command(
+        after_help = "Inequalities of the proofs, (2.9), (4.7), (4.9), (4.14), (4.16), (4.17), (4.19), (4.20) and (5.23), at every level, on the numbers of the solver and of the exact solution, by the boundary rule of the scene; what that rule and the load vector add to (4.9) is E_q. A claim is an inequality in a run, at the level where it is tightest: both sides, what rounding allows, left/right. Exit code 1: an inequality is violated beyond its accuracy or has no defined constant (m0 <= 0).\n\nKeys of --json: docs/JSON.md.\n\nFiles with --out: SCENE-audit.json, SCENE-audit-claims.csv.",
+        mut_arg("n", |n| list(n, 1..=512, "Cells per unit length, h = 1/n, in place of the scene's list up to 64")),
+        mut_arg("steps", |steps| list(steps, 1..=100_000, "Numbers N of time steps, k = T/N, in place of the scene's list")),
+    )]
+    Audit(StudyArguments),
+    /// Step-size bound (3.4) in four numbers: paper, sharpened, measured, loss of solvability
+    #[command(
+        after_help = "Every inequality is a claim: measured factors <= sharpened <= (3.15) at each step size of a ladder, thresholds in their order, samples of the law <= what it declares. A step has lost its solution where Newton's method finds none from the solution at the largest smaller k, that of the run and random states, or only one whose tangent is singular or beyond: bisected in k. Exit code 1: a claim does not hold.\n\nKeys of --json: docs/JSON.md.\n\nFiles with --out: SCENE-bound.json, SCENE-bound-claims.csv, SCENE-bound.svg.",
+        mut_arg("n", |n| one(n, 2..=128, "Cells per unit length of the mesh on which the factors are measured, h = 1/n [default: 16]")),
+        mut_arg("steps", |steps| one(steps, 1..=100_000, "Number N of time steps of the run whose worst level is studied [default: the scene's smallest]")),
+    )]
+    Bound(StudyArguments),
+    /// Evaluate Gronwall's inequality on runs: truncation errors, envelopes, perturbations
+    #[command(
+        after_help = "Effectivity = bound / measured error. The chain e <= weighted envelope <= primed envelope <= closed form, primed <= printed envelope <= its closed form is claimed at every n of every run. So is that the difference of two solutions under perturbed loads stays below its recurrence. Exit code 1: a claim fails; it is named with the first n at which it does.\n\nKeys of --json: docs/JSON.md.\n\nFiles with --out: SCENE-gronwall.json, SCENE-gronwall-claims.csv, SCENE-gronwall.csv (every level of every run), SCENE-gronwall-envelope.svg.",
+        mut_arg("n", |n| one(n, 1..=4096, "Cells per unit length, h = 1/n; abstract scenes have none [default: the first of the scene's list]")),
+        mut_arg("steps", |steps| list(steps, 1..=100_000, "Numbers N of time steps, k = T/N [default: the scene's list up to 1024]")),
+    )]
+    Gronwall(StudyArguments),
+    /// Compare the estimate of solve --estimate and the guaranteed bound with true errors
+    #[command(
+        after_help = "Each run of a ladder in h (in k where the scene predicts no order of V_max in h) is estimated from its companions and, where the theorem of the bound covers the scene, bounded. Claims: the bound is not below the error, the interval of the estimate holds it, and no quotient of the two and the error grows under refinement: its order in the step is at least 0, as the judge decides. Exit code 1: a claim fails or is unresolved. Exit code 2: no exact solution, or no three runs.\n\nKeys of --json: docs/JSON.md.\n\nFiles with --out: SCENE-estimators.json, SCENE-estimators-claims.csv, SCENE-estimators.svg.",
+        mut_arg("n", |n| list(n, 4..=512, "Cells per unit length, multiples of 4 [default: those of the scene's list up to 64]")),
+        mut_arg("steps", |steps| list(steps, 1..=100_000, "Numbers N of time steps, with memory multiples of 4 [default: those of the scene's list up to 256]")),
+    )]
+    Estimators(StudyArguments),
 }
 
 #[derive(Args)]
-struct StudyArguments {
+pub(crate) struct StudyArguments {
     /// Name of a scene, or path of a TOML file
     scene: String,
     #[arg(long, value_name = "LIST", value_delimiter = ',', action = ArgAction::Set)]
@@ -51,70 +77,31 @@ struct StudyArguments {
     common: Common,
 }
 
+/// What `--n` or `--steps` of a study takes.
+fn list(sizes: Arg, range: RangeInclusive<i64>, help: &'static str) -> Arg {
+    sizes.help(help).value_parser(value_parser!(u32).range(range))
+}
+
+/// One number in place of a list.
+fn one(size: Arg, range: RangeInclusive<i64>, help: &'static str) -> Arg {
+    let name = if size.get_id() == "n" { "N" } else { "STEPS" };
+    list(size, range, help).value_delimiter(None).value_name(name)
+}
+
 impl StudyCommand {
     pub(super) fn execute(self, scenes: &Scenes) -> Result<u8, CliError> {
+        let (study, arguments): (Study, _) = match self {
+            Self::Audit(arguments) => (audit::of_scene, arguments),
+            Self::Bound(arguments) => (bound::of_scene, arguments),
+            Self::Gronwall(arguments) => (gronwall::of_scene, arguments),
+            Self::Estimators(arguments) => (estimators::of_scene, arguments),
+        };
         share_threads()?;
-        let StudyArguments { scene, n, steps, out, common } = self.arguments;
+        let StudyArguments { scene, n, steps, out, common } = arguments;
         let scene = scenes.scene(&scene)?;
         note_groups(&scene);
         let asked = Asked { n, steps, limit: common.allowance.limit(), jobs: processors() };
-        show(&(self.study.run)(scene, &asked)?, out.as_deref(), common.json)
-    }
-}
-
-fn command(study: &Study) -> Command {
-    let name = study.name;
-    let also = if study.files.is_empty() { String::new() } else { format!(", {}", study.files) };
-    let help = format!(
-        "{}\n\nKeys of --json: docs/JSON.md.\n\nFiles with --out: SCENE-{name}.json, SCENE-{name}-claims.csv{also}.",
-        study.help
-    );
-    // What the options say of themselves as a group comes first, and is replaced.
-    let command = StudyArguments::augment_args(Command::default().name(name));
-    let command = command.about(study.about).after_help(help);
-    [("n", "N", &study.n), ("steps", "STEPS", &study.steps)].into_iter().fold(
-        command,
-        |command, (option, value, sizes)| {
-            let range = i64::from(sizes.least)..=i64::from(sizes.most);
-            command.mut_arg(option, |arg| {
-                let arg = arg.help(sizes.help).value_parser(value_parser!(u32).range(range));
-                match sizes.many {
-                    true => arg,
-                    false => arg.value_delimiter(None).value_name(value),
-                }
-            })
-        },
-    )
-}
-
-impl FromArgMatches for StudyCommand {
-    fn from_arg_matches(matches: &ArgMatches) -> Result<Self, clap::Error> {
-        let chosen = matches.subcommand().and_then(|(name, matches)| {
-            Some((STUDIES.into_iter().find(|study| study.name == name)?, matches))
-        });
-        let Some((study, matches)) = chosen else {
-            return Err(clap::Error::new(ErrorKind::InvalidSubcommand));
-        };
-        Ok(Self { study, arguments: StudyArguments::from_arg_matches(matches)? })
-    }
-
-    fn update_from_arg_matches(&mut self, matches: &ArgMatches) -> Result<(), clap::Error> {
-        *self = Self::from_arg_matches(matches)?;
-        Ok(())
-    }
-}
-
-impl Subcommand for StudyCommand {
-    fn augment_subcommands(program: Command) -> Command {
-        STUDIES.into_iter().fold(program, |program, study| program.subcommand(command(study)))
-    }
-
-    fn augment_subcommands_for_update(program: Command) -> Command {
-        Self::augment_subcommands(program)
-    }
-
-    fn has_subcommand(name: &str) -> bool {
-        STUDIES.into_iter().any(|study| study.name == name)
+        show(&study(scene, &asked)?, out.as_deref(), common.json)
     }
 }
 

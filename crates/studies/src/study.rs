@@ -1,4 +1,4 @@
-//! A study of one scene as a command: what it is called, what it takes, and how it runs.
+//! A study of one scene as a command: what it is asked, and why it may have no findings.
 
 use std::fmt::Display;
 
@@ -11,38 +11,8 @@ use scene::{Scene, SceneError};
 use vhi::FailedStep;
 use vhi::finite::FiniteError;
 
-/// `sweep NAME SCENE [--n] [--steps] [--out DIR]`. Help, options, text, JSON, files and exit code follow from this.
-pub struct Study {
-    pub name: &'static str,
-    /// Its line in the list of commands.
-    pub about: &'static str,
-    /// What is claimed, below the options in help.
-    pub help: &'static str,
-    pub n: Sizes,
-    pub steps: Sizes,
-    /// The files of `--out` beside SCENE-NAME.json and SCENE-NAME-claims.csv, for help.
-    pub files: &'static str,
-    pub run: fn(Scene, &Asked) -> Result<Findings, StudyError>,
-}
-
-/// What `--n` or `--steps` takes.
-pub struct Sizes {
-    pub help: &'static str,
-    pub least: u32,
-    pub most: u32,
-    /// A list, or one number.
-    pub many: bool,
-}
-
-impl Sizes {
-    pub const fn one([least, most]: [u32; 2], help: &'static str) -> Self {
-        Self { help, least, most, many: false }
-    }
-
-    pub const fn list([least, most]: [u32; 2], help: &'static str) -> Self {
-        Self { help, least, most, many: true }
-    }
-}
+/// A study as its command runs it; help, options, files and exit code are the command's.
+pub type Study = fn(Scene, &Asked) -> Result<Findings>;
 
 /// What is asked of a study.
 pub struct Asked {

@@ -7,7 +7,7 @@
 
 use std::sync::Arc;
 
-use crate::study::{Asked, Result, Sizes, Study, StudyError};
+use crate::study::{Asked, Result, StudyError};
 use algebra::tensor::{Symmetric, contract, norm};
 use exact::{
     Exact, ExactData, ExactOnMesh, InterpolatedOnMesh, LoadForm, MaterialNumbers, RegionNumbers,
@@ -36,23 +36,11 @@ use vhi::monotonicity;
 /// Largest n taken from a scene's list.
 const FINEST: u32 = 64;
 
-pub const STUDY: Study = Study {
-    name: "audit",
-    about: "Check the proofs of Theorems 10 and 11 line by line on real runs",
-    help: "Inequalities of the proofs, (2.9), (4.7), (4.9), (4.14), (4.16), (4.17), (4.19), (4.20) and (5.23), at every level, on the numbers of the solver and of the exact solution, by the boundary rule of the scene; what that rule and the load vector add to (4.9) is E_q. A claim is an inequality in a run, at the level where it is tightest: both sides, what rounding allows, left/right. Exit code 1: an inequality is violated beyond its accuracy or has no defined constant (m0 <= 0).",
-    n: Sizes::list(
-        [1, 512],
-        "Cells per unit length, h = 1/n, in place of the scene's list up to 64",
-    ),
-    steps: Sizes::list(
-        [1, 100_000],
-        "Numbers N of time steps, k = T/N, in place of the scene's list",
-    ),
-    files: "",
-    run: of_scene,
-};
-
-fn of_scene(scene: Scene, asked: &Asked) -> Result<Findings> {
+/// `sweep audit`.
+///
+/// # Errors
+/// [`StudyError`].
+pub fn of_scene(scene: Scene, asked: &Asked) -> Result<Findings> {
     admit_constants(&scene, true, &asked.limit)?;
     let setup = Setup::new(scene)?;
     let (ns, steps) = asked.grid(&setup.scene, FINEST)?;

@@ -7,7 +7,7 @@
 //! its order in the step is at least 0. That of error over estimate is likewise, so that the estimate does not fall behind.
 
 use crate::guarantee::{BoundedLevel, Guarantee};
-use crate::study::{Asked, Sizes, Study, StudyError};
+use crate::study::{Asked, StudyError};
 use crate::trade::estimate::{companion_runs, companions_and_bound, norm_estimate};
 use fem::contact::{Discretization, LoadError, StepView};
 use fem::norms::step_errors;
@@ -43,23 +43,11 @@ const ESTIMATE_TREND: Statement =
 const ERROR_TREND: Statement =
     Statement { source: "estimate, reliable", says: "error/estimate does not grow" };
 
-pub const STUDY: Study = Study {
-    name: "estimators",
-    about: "Compare the estimate of solve --estimate and the guaranteed bound with true errors",
-    help: "Each run of a ladder in h (in k where the scene predicts no order of V_max in h) is estimated from its companions and, where the theorem of the bound covers the scene, bounded. Claims: the bound is not below the error, the interval of the estimate holds it, and no quotient of the two and the error grows under refinement: its order in the step is at least 0, as the judge decides. Exit code 1: a claim fails or is unresolved. Exit code 2: no exact solution, or no three runs.",
-    n: Sizes::list(
-        [4, 512],
-        "Cells per unit length, multiples of 4 [default: those of the scene's list up to 64]",
-    ),
-    steps: Sizes::list(
-        [1, 100_000],
-        "Numbers N of time steps, with memory multiples of 4 [default: those of the scene's list up to 256]",
-    ),
-    files: "SCENE-estimators.svg",
-    run: of_scene,
-};
-
-fn of_scene(scene: Scene, asked: &Asked) -> Result<Findings, StudyError> {
+/// `sweep estimators`.
+///
+/// # Errors
+/// [`StudyError`].
+pub fn of_scene(scene: Scene, asked: &Asked) -> Result<Findings, StudyError> {
     admit_constants(&scene, true, &asked.limit)?;
     let setup = Setup::new(scene)?;
     let ladder = Ladder::new(&setup, asked)?;

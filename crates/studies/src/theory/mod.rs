@@ -6,9 +6,3 @@ pub mod corner;
 pub mod estimators;
 pub mod gronwall;
 pub mod norms;
-
-use crate::study::Study;
-
-/// The studies of one scene that are commands.
-pub const STUDIES: [&Study; 4] =
-    [&audit::STUDY, &bound::STUDY, &gronwall::STUDY, &estimators::STUDY];

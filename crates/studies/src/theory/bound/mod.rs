@@ -12,7 +12,7 @@ pub use ladder::{
 pub use sampled::{Constant, Obtained};
 
 use self::sampled::TraceConstants;
-use crate::study::{Asked, Result, Sizes, Study, StudyError, no_mesh};
+use crate::study::{Asked, Result, StudyError, no_mesh};
 use ::run::sweep::{Runs, admit_constants};
 use algebra::linalg::KRYLOV_VECTORS;
 use fem::contact::{Discretization, Evolution};
@@ -27,23 +27,11 @@ use vhi::{StepBounds, StepState};
 /// Default mesh of the measured factors.
 const MESH: u32 = 16;
 
-pub const STUDY: Study = Study {
-    name: "bound",
-    about: "Step-size bound (3.4) in four numbers: paper, sharpened, measured, loss of solvability",
-    help: "Every inequality is a claim: measured factors <= sharpened <= (3.15) at each step size of a ladder, thresholds in their order, samples of the law <= what it declares. A step has lost its solution where Newton's method finds none from the solution at the largest smaller k, that of the run and random states, or only one whose tangent is singular or beyond: bisected in k. Exit code 1: a claim does not hold.",
-    n: Sizes::one(
-        [2, 128],
-        "Cells per unit length of the mesh on which the factors are measured, h = 1/n [default: 16]",
-    ),
-    steps: Sizes::one(
-        [1, 100_000],
-        "Number N of time steps of the run whose worst level is studied [default: the scene's smallest]",
-    ),
-    files: "SCENE-bound.svg",
-    run: of_scene,
-};
-
-fn of_scene(scene: Scene, asked: &Asked) -> Result<Findings> {
+/// `sweep bound`.
+///
+/// # Errors
+/// [`StudyError`].
+pub fn of_scene(scene: Scene, asked: &Asked) -> Result<Findings> {
     admit_constants(&scene, false, &asked.limit)?;
     let subject = Subject::new(scene)?;
     let scene = subject.scene();

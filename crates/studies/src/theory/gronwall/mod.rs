@@ -14,4 +14,4 @@ pub use recurrence::InTime;
 pub use recurrence::{Bounds, Envelopes, Estimate};
 pub use recurrence::{HistoryPart, KernelNorms, Solved, StepTooLarge, Weights};
 pub use scenes::{ContactInTime, GronwallConstants, ReferenceLevels, TemporalTruth, TruthAtLevel};
-pub use study::{STUDY, StudyRuns, prepare, study, study_runs};
+pub use study::{StudyRuns, of_scene, prepare, study, study_runs};

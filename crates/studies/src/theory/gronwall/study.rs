@@ -11,7 +11,7 @@
 
 use super::recurrence::{Envelopes, Estimate, InTime};
 use super::scenes::{ContactInTime, FiniteInTime, REFERENCE_STEPS, in_steps};
-use crate::study::{Asked, Result, Sizes, Study, StudyError};
+use crate::study::{Asked, Result, StudyError};
 use algebra::linalg::{largest, signed_unit};
 use fem::contact::Discretization;
 use judge::claim::{Claim, Place, Statement};
@@ -25,23 +25,11 @@ use std::collections::BTreeMap;
 /// Most steps taken from the scene's list: the weighted envelope takes O(N²).
 const MOST_STEPS: u32 = 1024;
 
-pub const STUDY: Study = Study {
-    name: "gronwall",
-    about: "Evaluate Gronwall's inequality on runs: truncation errors, envelopes, perturbations",
-    help: "Effectivity = bound / measured error. The chain e <= weighted envelope <= primed envelope <= closed form, primed <= printed envelope <= its closed form is claimed at every n of every run. So is that the difference of two solutions under perturbed loads stays below its recurrence. Exit code 1: a claim fails; it is named with the first n at which it does.",
-    n: Sizes::one(
-        [1, 4096],
-        "Cells per unit length, h = 1/n; abstract scenes have none [default: the first of the scene's list]",
-    ),
-    steps: Sizes::list(
-        [1, 100_000],
-        "Numbers N of time steps, k = T/N [default: the scene's list up to 1024]",
-    ),
-    files: "SCENE-gronwall.csv (every level of every run), SCENE-gronwall-envelope.svg",
-    run: of_scene,
-};
-
-fn of_scene(scene: Scene, asked: &Asked) -> Result<Findings> {
+/// `sweep gronwall`.
+///
+/// # Errors
+/// [`StudyError`].
+pub fn of_scene(scene: Scene, asked: &Asked) -> Result<Findings> {
     let sweep = scene.sweep.as_ref();
     let n = asked.mesh().or_else(|| sweep.and_then(|sweep| sweep.n.first().copied()));
     let admitted =
