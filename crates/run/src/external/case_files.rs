@@ -3,12 +3,14 @@
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
+use serde::Serialize;
 use serde_json::{Value, json};
 
 use super::answer::{Array, encode};
 use fem::contact::{CaseError, Discretization, LoadError, Support};
 use fem::space::quadrature::Rule;
 use files::replace_file;
+use scene::Contact;
 use scene::setup::{MeshData, Setup};
 use vhi::history::TimeGrid;
 use vhi::law::{FourthOrder, TensorField};
@@ -177,75 +179,54 @@ fn tensor(tensor: &FourthOrder, d: usize) -> Value {
     }
 }
 
-/// A table; numbers are the shortest texts that read back to the same doubles.
-fn table(
-    head: Vec<String>,
-    mut rows: impl Iterator<Item = Vec<String>>,
+/// A table of a head and rows, tuples and lists one after another; numbers read back to the same doubles.
+fn table<R: Serialize>(
+    head: impl Serialize,
+    mut rows: impl Iterator<Item = R>,
 ) -> Result<Vec<u8>, csv::Error> {
-    let mut writer = csv::Writer::from_writer(Vec::new());
-    writer.write_record(head)?;
-    rows.try_for_each(|row| writer.write_record(row))?;
+    let mut writer = csv::WriterBuilder::new().has_headers(false).from_writer(Vec::new());
+    writer.serialize(head)?;
+    rows.try_for_each(|row| writer.serialize(row))?;
     writer.into_inner().map_err(|error| error.into_error().into())
 }
 
-fn between(first: &str, inner: impl IntoIterator<Item = String>, last: &[&str]) -> Vec<String> {
-    let last = last.iter().map(|&word| word.to_owned());
-    std::iter::once(first.to_owned()).chain(inner).chain(last).collect()
-}
-
 const COORDINATES: [&str; 3] = ["x", "y", "z"];
+const NORMAL: [&str; 3] = ["nx", "ny", "nz"];
 
-fn flag(set: bool) -> &'static str {
-    if set { "1" } else { "0" }
-}
-
-fn numbered(count: usize) -> impl Iterator<Item = String> {
-    (0..count).map(|i| format!("v{i}"))
+fn numbered(count: usize) -> Vec<String> {
+    (0..count).map(|i| format!("v{i}")).collect()
 }
 
 fn vertices(space: &Discretization) -> Result<Vec<u8>, csv::Error> {
     let (mesh, d) = (&space.mesh, space.mesh.dimension);
-    let names = COORDINATES[..d].iter().map(|&name| name.to_owned());
-    let row = |v: usize| {
-        let at = mesh.vertex(v as u32).iter().map(f64::to_string);
-        between(&v.to_string(), at, &[flag(Given::clamped(space, v))])
-    };
-    table(between("vertex", names, &["clamped"]), (0..mesh.vertices()).map(row))
+    let row = |v: usize| (v, mesh.vertex(v as u32), u8::from(Given::clamped(space, v)));
+    table(("vertex", &COORDINATES[..d], "clamped"), (0..mesh.vertices()).map(row))
 }
 
 fn cells(space: &Discretization) -> Result<Vec<u8>, csv::Error> {
-    let row = |c: usize| {
-        let nodes_of_cell = Given::of_cell(space, c).into_iter().map(|v| v.to_string());
-        let region = space.regions.get(c).copied().unwrap_or(0).to_string();
-        between(&c.to_string(), nodes_of_cell, &[&region])
-    };
-    let names = numbered(Given::of_cell(space, 0).len());
-    table(between("cell", names, &["region"]), (0..space.mesh.cell_count()).map(row))
+    let row = |c: usize| (c, Given::of_cell(space, c), space.regions.get(c).copied().unwrap_or(0));
+    let names = numbered(space.nodes.a_cell);
+    table(("cell", names, "region"), (0..space.mesh.cell_count()).map(row))
 }
 
 fn facets(space: &Discretization) -> Result<Vec<u8>, csv::Error> {
     let mesh = &space.mesh;
-    let row = |(f, &side): (usize, &u32)| {
-        let nodes_of_facet = space.nodes.on_facet(f).iter().map(|v| v.to_string());
-        between(&f.to_string(), nodes_of_facet, &[&mesh.sides[side as usize]])
-    };
+    let row = |(f, &side): (usize, &u32)| (f, space.nodes.on_facet(f), &mesh.sides[side as usize]);
     let names = numbered(space.nodes.a_facet);
-    table(between("facet", names, &["side"]), mesh.facet_side.iter().enumerate().map(row))
+    table(("facet", names, "side"), mesh.facet_side.iter().enumerate().map(row))
 }
 
 /// The conditions u·n = 0.
 fn symmetry(rows: &[Support], d: usize) -> Result<Vec<u8>, csv::Error> {
-    let head = COORDINATES[..d].iter().map(|name| format!("n{name}"));
-    let cells = |row: &Support| {
-        between(&row.vertex.to_string(), row.normal[..d].iter().map(f64::to_string), &[])
-    };
-    table(between("vertex", head, &[]), rows.iter().map(cells))
+    table(("vertex", &NORMAL[..d]), rows.iter().map(|row| (row.vertex, &row.normal[..d])))
 }
 
 fn contact(setup: &Setup, space: &Discretization) -> Vec<ContactRow> {
     let row = |point: &fem::contact::TracePoint| {
         let x = space.mesh.point(&[point.vertex], &[1.0]);
         let boundary = setup.model.boundary_on(point.side);
+        let mut tables = setup.body.contact.iter();
+        let on = |contact: &Contact| contact.sides.iter().any(|side| side.0 == point.side);
         let [gap, shift, scale] = match boundary {
             Some(boundary) => [(boundary.gap)(x, 0.0), (boundary.shift)(x), boundary.scale_at(x)],
             None => [f64::INFINITY, 0.0, 1.0],
@@ -255,7 +236,7 @@ fn contact(setup: &Setup, space: &Discretization) -> Vec<ContactRow> {
             normal: point.normal,
             numbers: [point.weight, gap, shift, scale],
             clamped: point.clamped,
-            table: table_of(setup, point.side),
+            table: tables.position(on).unwrap_or(0),
         }
     };
     space.trace.points.iter().map(row).collect()
@@ -272,12 +253,6 @@ fn gaps(setup: &Setup, space: &Discretization, grid: &TimeGrid) -> Option<Array>
     let moves = setup.body.gap_moves(&setup.scene.formulas);
     let gap = |side, x, t| setup.model.gap(side, x, t);
     moves.then(|| by_level(gap, space, grid))
-}
-
-/// Which of the tables of contact a side is in.
-fn table_of(setup: &Setup, side: u32) -> usize {
-    let mut tables = setup.body.contact.iter();
-    tables.position(|contact| contact.sides.iter().any(|known| known.0 == side)).unwrap_or(0)
 }
 
 /// A function of side, place and time at the rows of Γ3 and all levels.
@@ -301,18 +276,13 @@ fn by_level(
 
 /// With the column `table` where there are several: readers of others count on nine columns in the plane.
 fn contact_table(rows: &[ContactRow], d: usize, several: bool) -> Result<Vec<u8>, csv::Error> {
-    let names = COORDINATES[..d].iter().map(|name| format!("n{name}"));
-    let names = std::iter::once("vertex".to_owned()).chain(names);
-    let mut head = between("row", names, &["weight", "gap", "shift", "scale", "clamped"]);
-    head.extend(several.then(|| "table".to_owned()));
-    let cells = |(i, row): (usize, &ContactRow)| {
-        let numbers = row.normal[..d].iter().chain(&row.numbers).map(f64::to_string);
-        let inner = std::iter::once(row.vertex.to_string()).chain(numbers);
-        let mut cells = between(&i.to_string(), inner, &[flag(row.clamped)]);
-        cells.extend(several.then(|| row.table.to_string()));
-        cells
-    };
-    table(head, rows.iter().enumerate().map(cells))
+    let numbers = ["weight", "gap", "shift", "scale", "clamped"];
+    let last: &[&str] = if several { &["table"] } else { &[] };
+    let rows = rows.iter().enumerate().map(|(i, row)| {
+        let last: Vec<usize> = several.then_some(row.table).into_iter().collect();
+        (i, row.vertex, &row.normal[..d], row.numbers, u8::from(row.clamped), last)
+    });
+    table(("row", "vertex", &NORMAL[..d], numbers, last), rows)
 }
 
 /// Whether lags of the grid are its times.
