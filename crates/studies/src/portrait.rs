@@ -14,7 +14,12 @@ pub fn scene_summary(scene: &Scene, subject: Option<&Subject>) -> SceneSummary {
     SceneSummary {
         name: scene.name.clone(),
         question: scene.question.clone(),
-        group: Group::of(terms(scene), is_about_a_hypothesis(scene)),
+        // A scene that breaks a hypothesis, or reaches its limit: the limiting scenes of docs/BROKEN-HYPOTHESES.md are named
+        // after the others and read beside them.
+        group: Group::of(
+            terms(scene),
+            !scene.violates.is_empty() || scene.name.starts_with("broken-"),
+        ),
         remarks: remarks(scene),
         // If the body cannot be drawn, the picture is omitted.
         picture: Some(scene_picture(scene)),
@@ -23,12 +28,6 @@ pub fn scene_summary(scene: &Scene, subject: Option<&Subject>) -> SceneSummary {
         violates: scene.violates.iter().map(|hypothesis| hypothesis.name().to_owned()).collect(),
         step: subject.and_then(step),
     }
-}
-
-/// Whether a scene breaks a hypothesis or reaches its limit: the limiting scenes of docs/BROKEN-HYPOTHESES.md are named
-/// after the others and read beside them.
-fn is_about_a_hypothesis(scene: &Scene) -> bool {
-    !scene.violates.is_empty() || scene.name.starts_with("broken-")
 }
 
 /// The bounds on the step size, without a solve in time.

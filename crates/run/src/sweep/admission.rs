@@ -3,8 +3,8 @@
 use super::cost::{Cost, PROGRAM, PlanCost, kept_by_meshes, run_cost};
 use super::plan::{CasePlan, ScenePlan, without_panic};
 use fem::contact::Discretization;
+use scene::Scene;
 use scene::setup::{Setup, SetupError, trace_cells};
-use scene::{ContactScene, Scene};
 use std::fs;
 use std::path::Path;
 use std::str::FromStr;
@@ -101,8 +101,13 @@ pub fn admit_constants(scene: &Scene, any: bool, limit: &MemoryLimit) -> Result<
     if body.domain.contact.is_empty() || !any && body.is_monotone() {
         return Ok(());
     }
-    constants_fit(body, limit)
-        .map_err(|source| Refused { what: format!("{}, c_j^2", scene.name), source })
+    // Of so many simplices not even the matrices fit; small meshes are made at once, as for runs.
+    let cells = trace_cells(&body.domain);
+    if cells <= MOMENT[1] {
+        return Ok(());
+    }
+    let what = || format!("{}, c_j^2", scene.name);
+    limit.admit(CELL * cells, true).map_err(|source| Refused { what: what(), source })
 }
 
 /// By a coarse mesh of each, the finest first.
@@ -206,13 +211,6 @@ pub(super) fn least_bytes_of_mesh(setup: &Setup, n: u32, steps: u32) -> f64 {
     };
     // If the coarse mesh cannot be made there is no bound.
     SURELY * cells / domain.cells(coarse) * bytes().unwrap_or(0.0)
-}
-
-/// Refuses a scene on so many simplices that not even the matrices of its trace constants fit, before its model is made.
-pub(super) fn constants_fit(body: &ContactScene, limit: &MemoryLimit) -> Result<(), TooLarge> {
-    let cells = trace_cells(&body.domain);
-    // Small meshes are made at once, as for runs.
-    if cells <= MOMENT[1] { Ok(()) } else { limit.admit(CELL * cells, true) }
 }
 
 // Memory limit: what the user allows, or what the machine has available.

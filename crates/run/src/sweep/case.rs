@@ -4,7 +4,7 @@ use super::plan::{CasePlan, TIME_REFERENCE};
 use algebra::linalg::larger;
 use fem::contact::{CaseError, CaseInfo, Floors, LoadError, StepView, strain_distance};
 use fem::norms::{
-    ContactState, ElasticProjection, StateErrors, StepErrors, Trajectory, state_errors, step_errors,
+    ContactState, ElasticProjection, StateErrors, StepErrors, state_errors, step_errors,
 };
 use judge::record::{CaseRecord, NormError, Status};
 use scene::setup::{AbstractLoad, AbstractRun, AbstractSetup, MeshData, Setup};
@@ -91,7 +91,10 @@ fn measure(
             maxima.raise_by_state(&state_errors(&data.space, view, &samples));
         }
         if let Some(finer) = &finer {
-            maxima.raise(Norm::VTimeMax, time_error(data, finer, view)?);
+            let reason = || format!("the finer run has no step at t = {}", view.t);
+            let missing = || LoadError::Reference { reason: reason() };
+            let reference = finer.at(view.t).ok_or_else(missing)?;
+            maxima.raise(Norm::VTimeMax, strain_distance(&data.space, view.u, reference));
         }
         if let Some(projection) = &mut projection {
             maxima.raise(Norm::VProjectionMax, projection.distance(&moments, view.u));
@@ -109,15 +112,6 @@ pub(super) const ERROR_RULE: f64 = 2.0;
 pub fn as_floors(errors: &StepErrors) -> Floors {
     let StepErrors { v, l2, stress, trace, pressure, .. } = *errors;
     Floors { v, l2, stress, trace, pressure }
-}
-
-/// ‖ε(u_n - u_ref(t_n))‖ against the run with more steps on one mesh.
-fn time_error(data: &MeshData, finer: &Trajectory, view: &StepView<'_>) -> Result<f64, CaseError> {
-    let Some(reference) = finer.at(view.t) else {
-        let reason = format!("the finer run has no step at t = {}", view.t);
-        return Err(LoadError::Reference { reason }.into());
-    };
-    Ok(strain_distance(&data.space, view.u, reference))
 }
 
 /// Maxima over time; NaN is kept, a norm that was never raised is absent.

@@ -71,7 +71,9 @@ pub(crate) fn trials_in_time(scene: &Scene) -> Vec<Trial> {
     // solvable.
     let listed = scene.sweep.as_ref().map(|sweep| [&sweep.n, &sweep.steps]);
     let least = |i: usize| listed.and_then(|lists| lists[i].iter().min().copied());
-    let coarsest = (vec![coarse_mesh(scene, least(0))], vec![least(1).unwrap_or(4).max(4)]);
+    // The scene's coarsest mesh, or 8 cells per unit length where that divides the sides and is coarser.
+    let n = least(0).filter(|&n| n <= 8 || scene.check_cells(8).is_err()).unwrap_or(8);
+    let coarsest = (vec![n], vec![least(1).unwrap_or(4).max(4)]);
     // A trial with u(t) of the scene, in V^h: exact unless there is a history.
     let of_scene = |name: String, kept: SceneTerms| {
         let order = kept.has_history().then(|| order_in_k(scene));
@@ -166,11 +168,6 @@ pub(crate) fn trials_in_space(scene: &Scene) -> Vec<Trial> {
         trials.push(trial("elasticity alone, in h".into(), SceneTerms::NONE, None));
     }
     trials
-}
-
-/// The scene's coarsest mesh, or 8 cells per unit length where that divides the sides and is coarser.
-fn coarse_mesh(scene: &Scene, coarsest: Option<u32>) -> u32 {
-    coarsest.filter(|&n| n <= 8 || scene.check_cells(8).is_err()).unwrap_or(8)
 }
 
 fn predicted(scene: &Scene, variable: Direction) -> Option<&Prediction> {

@@ -335,7 +335,11 @@ impl Triangle {
             missed: 0.0,
             missed_by_edges: 0.0,
         };
-        triangle.to_tractions = triangle.traction_matrix();
+        for (edge, end) in [0, 1, 2].into_iter().flat_map(|edge| [(edge, 0), (edge, 1)]) {
+            let (row, at) = (4 * edge + 2 * end, 18 * edge + 3 * end);
+            let outward = triangle.outward(edge);
+            add_traction(&mut triangle.to_tractions, row, at, outward);
+        }
         let (conditions, asked) = (triangle.conditions(), triangle.asked());
         // M⁻¹ with M = ∫ 𝒜⁻¹σ:τ, M⁻¹Gᵀ and (G M⁻¹ Gᵀ)⁻¹.
         let of_part = triangle.mass.try_inverse()?.kronecker(&elasticity);
@@ -354,17 +358,6 @@ impl Triangle {
         triangle.of_divergence = first - raised * (inner * (conditions * first - asked));
         triangle.missed = (conditions * triangle.of_divergence - asked).amax() / asked.amax();
         Some(triangle)
-    }
-
-    fn traction_matrix(&self) -> SMatrix<f64, 12, 54> {
-        let mut matrix = SMatrix::zeros();
-        for edge in 0..3 {
-            for end in 0..2 {
-                let at = 18 * edge + 3 * end;
-                add_traction(&mut matrix, 4 * edge + 2 * end, at, self.outward(edge));
-            }
-        }
-        matrix
     }
 
     pub(super) fn constant(stress: &[f64; 3]) -> Stress {

@@ -26,7 +26,7 @@ use rayon::prelude::*;
 use report::{Chapter, Findings, digits};
 use run::sweep::{Runs, admit_constants, run_cost};
 use scene::setup::{MeshData, Setup, SetupError, constants, growth};
-use scene::{Extension, Face, Scene, SceneError, TimeRule};
+use scene::{Extension, Scene, SceneError, TimeRule};
 use serde::{Serialize, Serializer};
 use serde_json::json;
 use vhi::history::TimeGrid;
@@ -95,7 +95,9 @@ impl AuditConstants {
     /// As [`constants`].
     pub fn new(setup: &Setup) -> Result<Self, SetupError> {
         let known = constants(setup)?;
-        let [c0, c1] = growth(setup);
+        let ([c0, c1], domain) = (growth(setup), &setup.body.domain);
+        let faces = domain.contact.iter().flat_map(|side| domain.faces(*side));
+        let length: f64 = faces.map(|face| face.measure()).sum();
         Ok(Self {
             m_a: known.m_a,
             l_a: known.l_a,
@@ -105,7 +107,7 @@ impl AuditConstants {
             c_j_squared: known.c_j_squared_bound.unwrap_or(known.c_j_squared),
             c_nu_squared: known.c_nu_squared_bound.unwrap_or(known.c_nu_squared),
             c_j_proved: known.c_j_squared_bound.is_some(),
-            c0: c0 * contact_length(setup).sqrt(),
+            c0: c0 * length.sqrt(),
             c1,
             history: 1.0 + known.memory.operator,
         })
@@ -115,13 +117,6 @@ impl AuditConstants {
     pub fn m0(&self) -> f64 {
         monotonicity(self.m_a, self.alpha_phi + self.alpha_j * self.c_nu_squared)
     }
-}
-
-/// |Γ3|.
-fn contact_length(setup: &Setup) -> f64 {
-    let domain = &setup.body.domain;
-    let area = |face: Face| face.measure();
-    domain.contact.iter().flat_map(|side| domain.faces(*side)).map(area).sum()
 }
 
 // The inequalities at one level, both sides as numbers.

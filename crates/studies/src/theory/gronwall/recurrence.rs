@@ -223,11 +223,6 @@ impl Weights {
         (self.form == ClosedForm::MittagLeffler).then(|| self.rule())
     }
 
-    /// Whether they are those of Σ'.
-    pub(crate) fn are_the_papers(self) -> bool {
-        self.form == ClosedForm::Paper
-    }
-
     /// The rule.
     pub fn rule(self) -> Box<dyn TimeRule> {
         self.rule.weights()
@@ -433,7 +428,7 @@ impl Estimate {
         let scaled: Vec<f64> = self.source.iter().map(|s| s / self.m0).collect();
         let (grid, c2, weights, rule) = (&self.grid, self.c2(), self.weights, self.weights.rule());
         // (3.24) has its printed sum where its weights bound those of the trapezoidal rule.
-        let as_printed = weights.are_the_papers();
+        let as_printed = weights.form == ClosedForm::Paper;
         Ok(Envelopes {
             primed: weights.envelope(grid, &scaled, c2)?,
             closed: weights.closed(grid, &scaled, c2)?,
