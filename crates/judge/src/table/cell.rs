@@ -23,7 +23,9 @@ pub(super) struct Number {
 
 pub(super) fn is_missing(cell: &str) -> bool {
     const MISSING: &str = "- -- --- – — * n/a na <na> n.a. none null nothing missing ...";
-    cell.is_empty() || MISSING.split(' ').any(|word| cell.eq_ignore_ascii_case(word))
+    // `< 1e-12` is a bound and no error.
+    let bound = cell.strip_prefix('<').is_some_and(|bound| number(bound.trim()).is_some());
+    bound || cell.is_empty() || MISSING.split(' ').any(|word| cell.eq_ignore_ascii_case(word))
 }
 
 pub(super) fn number(cell: &str) -> Option<Number> {
@@ -56,6 +58,15 @@ pub(super) fn number(cell: &str) -> Option<Number> {
         if let Some((value, _)) = text.split_once(behind).filter(|(v, _)| !v.trim().is_empty()) {
             return number(value);
         }
+    }
+    // So may a note, without numbers: `1.28e-2 ← floor`, `16 cells`.
+    if let Some((value, note)) = text.split_once(' ')
+        && let mut letters = note.chars().map(char::is_alphabetic)
+        && (note.chars().count() > 3 && letters.all(|letter| letter)
+            || !note.starts_with(|c: char| c.is_alphanumeric() || "%×*/^+-πe".contains(c)))
+        && !note.contains(|c: char| c.is_ascii_digit())
+    {
+        return number(value);
     }
     // Of a whole called T or L the size of a part is asked for.
     let text = text.strip_prefix(['T', 'L']).filter(|part| part.starts_with('/'));
@@ -300,8 +311,14 @@ pub(super) fn role(name: &str) -> Role {
     let lower = name.to_lowercase().replace('∞', "inf");
     let has = |parts: &str| parts.split(' ').any(|part| normalised.contains(part));
     // Of a vector normal no norm is taken.
-    let measures = ["err", "norm", "energy", "hdiv", "hcurl"];
-    let measures = || measures.iter().any(|part| normalised.replace("normal", "").contains(part));
+    let measures = || {
+        let mut words = lower.split(|c: char| !c.is_alphanumeric());
+        let parts = |word: &str| {
+            let word = word.replace("normal", "");
+            ["err", "norm", "energy", "difference"].iter().any(|part| word.contains(part))
+        };
+        words.any(parts) || lower.trim().starts_with("e_") || has("hdiv hcurl")
+    };
     match &*normalised {
         _ if has(RATES) || IGNORED.contains(&*normalised) => Role::Ignored,
         "" if bars || is_error_elsewhere(name) => Role::Wide,

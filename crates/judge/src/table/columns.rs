@@ -4,38 +4,32 @@ use std::collections::{HashMap, HashSet};
 
 use super::cell::{
     Comma, Measure, Number, Role, is_missing, is_rate, likeness, named, normal, number, role,
-    says_error, sides,
+    says_error,
 };
-use super::guess::{approach_a_limit, are_orders, by_numbers, confirm, of_errors};
+use super::guess::{approach_a_limit, are_orders, by_numbers, by_powers, confirm, of_errors};
 use super::line::{Block, Cells, is_computed, listed};
 use super::{Quantity, Reading, TableError};
-use crate::fit::is_step;
 use files::counted;
-
-/// How far the ratio of two columns of sizes may differ from row to row: printed with two digits, each is off by half
-/// as much.
-const SIZES_DIFFER: f64 = 0.1;
-/// A level by a count of cells may differ so much from one by its number (as logarithms): unknowns grow at the rate of cells in
-/// the limit only, and a wrong dimension or the cells of a plane taken for those of a side are off by 0.23 or more.
-const LEVELS_DIFFER: f64 = 0.2;
-/// Deeper levels are not levels of refinement.
-const DEEPEST: f64 = 64.0;
 
 /// More columns are no table of a study.
 const MOST_COLUMNS: usize = 1000;
+
+/// Words of a column that marks rows.
+const FLAGS: &str = "true false yes no pass passed fail failed ok";
 
 /// A number of a cell; none where it is missing.
 pub(super) type Entries = Vec<Option<f64>>;
 
 #[derive(Debug, Clone)]
-struct Size {
-    at: usize,
-    measure: Measure,
+pub(super) struct Size {
+    pub(super) at: usize,
+    pub(super) measure: Measure,
     /// NaN where it is missing.
-    steps: Vec<f64>,
+    pub(super) steps: Vec<f64>,
 }
 
 pub(super) struct Measured {
+    pub(super) at: usize,
     pub(super) norm: Option<String>,
     pub(super) entries: Entries,
     pub(super) signed: bool,
@@ -53,18 +47,22 @@ pub(super) struct Columns {
     pub(super) status: Option<usize>,
     pub(super) by: Vec<usize>,
     pub(super) runs: bool,
+    pub(super) ratio: Option<f64>,
     /// What was read and what was not.
     pub(super) said: String,
 }
 
-struct Reader<'a> {
-    block: &'a Block,
+pub(super) struct Reader<'a> {
+    pub(super) block: &'a Block,
     reading: &'a Reading,
-    roles: Vec<Role>,
+    /// As the caller or the table says.
+    pub(super) dimension: Option<u32>,
+    pub(super) ratio: Option<f64>,
+    pub(super) roles: Vec<Role>,
     /// Whether a cell of the table has a comma that can be a decimal one alone.
     decimal: bool,
-    left_out: Vec<usize>,
-    notes: Vec<String>,
+    pub(super) left_out: Vec<usize>,
+    pub(super) notes: Vec<String>,
 }
 
 impl Columns {
@@ -92,6 +90,9 @@ impl Columns {
         }
         let mut reader = Reader::of(block, reading)?;
         let (measured, quantity) = reader.measured()?;
+        if quantity == Quantity::Error {
+            reader.imply(&measured);
+        }
         let runs = reading.runs || reader.roles.contains(&Role::Run);
         let mut sizes = [reader.size(false)?, reader.size(true)?];
         reader.drop_level(&mut sizes);
@@ -109,7 +110,7 @@ impl Columns {
                 "`{name}` is whole and the errors fall where it grows: is it a count? Call it `n` if it counts cells along a side, `steps` if it counts steps"
             ));
         }
-        if sizes.iter().all(Option::is_none) && reading.ratio.is_none() {
+        if sizes.iter().all(Option::is_none) && reader.ratio.is_none() {
             return fail(reader.no_size());
         }
         let place = |wanted: Role| reader.roles.iter().position(|role| *role == wanted);
@@ -130,6 +131,7 @@ impl Columns {
             status,
             by: Vec::new(),
             runs,
+            ratio: reader.ratio,
             said: String::new(),
         };
         columns.by = reader.by(&columns, &sizes)?;
@@ -170,11 +172,40 @@ impl<'a> Reader<'a> {
         let mut notes = Vec::new();
         let measures = [Role::Error, Role::Value, Role::Wide];
         let counted = by_numbers(block, reading, &mut roles, &mut notes);
-        // What a rate follows is an error, whatever its name; of several such the caller may name some.
+        // What a rate follows is an error, whatever its name; of several such the caller may name some. What is computed from another
+        // column is a rate, whatever its name.
         for at in 1..roles.len() {
-            if roles[at - 1] == Role::Unknown && is_rate(names[at]) && reading.errors.is_empty() {
-                roles[at - 1] = Role::Wide;
+            let open =
+                |from: &usize| matches!(roles[*from], Role::Unknown | Role::Wide | Role::Error);
+            let computed =
+                (0..at).rev().filter(open).find(|&from| is_computed(&block.rows, at, from));
+            let named = is_rate(names[at]) && roles[at - 1] == Role::Unknown;
+            let Some(from) = computed.or(named.then_some(at - 1)) else { continue };
+            if roles[from] == Role::Unknown && reading.errors.is_empty() {
+                roles[from] = Role::Wide;
             }
+            if computed.is_some()
+                && matches!(roles[at], Role::Unknown | Role::Wide | Role::Parameter)
+            {
+                roles[at] = Role::Ignored;
+            }
+        }
+        // `Error (scheme)` and `Error (other scheme)` are two.
+        let errors = |roles: &[Role]| {
+            (0..names.len()).filter(|&at| roles[at] == Role::Error).collect::<Vec<_>>()
+        };
+        let several = errors(&roles);
+        let distinct = |&at: &usize| {
+            names[at].contains('(')
+                && several.iter().filter(|&&other| names[other] == names[at]).count() == 1
+        };
+        if several.len() > 1 && several.iter().all(distinct) {
+            several.iter().for_each(|&at| roles[at] = Role::Wide);
+        }
+        // Beside a size that no name says they would be guesses upon a guess.
+        let named = roles.iter().any(|role| measures.contains(role));
+        if reading.errors.is_empty() && (counted.is_none() || named) {
+            by_powers(block, named, &mut roles, &mut notes);
         }
         // Below a title that speaks of errors they are what has no other name.
         let sized = roles.iter().any(|role| matches!(role, Role::Space(_) | Role::Time(_)));
@@ -201,13 +232,6 @@ impl<'a> Reader<'a> {
                 *role = if any { Role::Parameter } else { Role::Ignored };
             }
         }
-        // What is computed from errors is a rate, whatever its name.
-        for at in 1..roles.len() {
-            let computed = |from| roles[from] == Role::Wide && is_computed(&block.rows, at, from);
-            if roles[at] == Role::Wide && (0..at).any(computed) {
-                roles[at] = Role::Ignored;
-            }
-        }
         // Sizes that are printed again before each error are read once.
         for at in 1..roles.len() {
             let same = |before: usize| {
@@ -227,15 +251,17 @@ impl<'a> Reader<'a> {
         let cells = block.rows.iter().flat_map(|row| &row.cells);
         let mut commas = cells.filter(|cell| cell.contains(','));
         let decimal = commas.any(|cell| number(cell).is_some_and(|n| n.comma == Comma::Decimal));
-        Ok(Self { block, reading, roles, decimal, left_out: Vec::new(), notes })
+        let Reading { dimension, ratio, .. } = *reading;
+        let left_out = Vec::new();
+        Ok(Self { block, reading, dimension, ratio, roles, decimal, left_out, notes })
     }
 
-    fn name(&self, at: usize) -> &str {
+    pub(super) fn name(&self, at: usize) -> &str {
         &self.block.names[at]
     }
 
     /// The numbers of a column; `whole` are counts, in which `2,312` can be no fraction.
-    fn column(&self, at: usize, whole: bool) -> Result<Entries, TableError> {
+    pub(super) fn column(&self, at: usize, whole: bool) -> Result<Entries, TableError> {
         let rows = &self.block.rows;
         let cell = |row: &'a Cells| -> Result<_, TableError> {
             let text = row.cells[at].as_str();
@@ -349,7 +375,7 @@ impl<'a> Reader<'a> {
                 self.notes.push(format!("`{}` is negative and read by magnitude", self.name(at)));
             }
             let norm = (!one).then(|| self.name(at).to_owned());
-            measured.push(Measured { norm, entries, signed });
+            measured.push(Measured { at, norm, entries, signed });
         }
         Ok((measured, quantity))
     }
@@ -409,251 +435,6 @@ impl<'a> Reader<'a> {
         Ok(())
     }
 
-    /// The column of sizes in one direction: the first of the measures that is there, which cells and unknowns are with the
-    /// dimension. Columns that contradict it are refused.
-    fn size(&mut self, time: bool) -> Result<Option<Size>, TableError> {
-        let (mut found, mut refused) = (Vec::new(), Vec::new());
-        for at in 0..self.roles.len() {
-            let measure = match (self.roles[at], time) {
-                (Role::Space(measure), false) | (Role::Time(measure), true) => measure,
-                _ => continue,
-            };
-            let open = match measure {
-                Measure::Cells | Measure::Unknowns => !self.has_sides(at),
-                // Beside cells `n` may be a counter, as in `n cells`: the dimension decides, or cells that are its power.
-                Measure::Number => {
-                    let cells = self.roles.iter().position(|r| *r == Role::Space(Measure::Cells));
-                    normal(self.name(at)) == "n"
-                        && cells.is_some_and(|cells| !self.is_power(cells, at))
-                }
-                _ => false,
-            };
-            // Of h and hmax, the one called h.
-            let key = (measure, normal(self.name(at)).len());
-            match self.steps(at, measure) {
-                _ if open && self.reading.dimension.is_none() => self.left_out.push(at),
-                Ok(steps) => found.push((key, Size { at, measure, steps })),
-                Err(error) => {
-                    refused.push((key, error));
-                    self.left_out.push(at);
-                }
-            }
-        }
-        found.sort_by_key(|(key, _)| *key);
-        let best = found.first().map(|(key, _)| *key);
-        refused.sort_by_key(|(key, _)| *key);
-        if let Some((key, error)) = refused.into_iter().next()
-            && best.is_none_or(|best| key < best)
-        {
-            return Err(error);
-        }
-        let mut found: Vec<Size> = found.into_iter().map(|(_, size)| size).collect();
-        // A size that is the same in all rows beside one that is not is a degree, or of another mesh. With --ratio the rows would be
-        // taken for levels against what they say.
-        let refined = |size: &Size| {
-            size.measure == Measure::Length || size.steps.iter().any(|step| *step != size.steps[0])
-        };
-        let alone = self.block.rows.len() > 2 && self.reading.ratio.is_none();
-        if alone || found.iter().any(refined) {
-            self.left_out.extend(found.iter().filter(|size| !refined(size)).map(|size| size.at));
-            found.retain(refined);
-        }
-        self.drop_counters(&mut found, time)?;
-        let mut found = found.into_iter();
-        let Some(first) = found.next() else { return Ok(None) };
-        for other in found {
-            self.agree(&first, &other)?;
-            self.left_out.push(other.at);
-        }
-        Ok(Some(first))
-    }
-
-    /// Beside a time step that changes with it a level counts the rows.
-    fn drop_level(&mut self, sizes: &mut [Option<Size>; 2]) {
-        let [Some(level), Some(time)] = &*sizes else { return };
-        let name = normal(self.name(level.at));
-        let both = level.steps.windows(2).zip(time.steps.windows(2));
-        if level.measure == Measure::Level
-            && ["level", "levels", "lvl"].contains(&name.as_str())
-            && both.into_iter().all(|(level, time)| level[0] != level[1] && time[0] != time[1])
-        {
-            self.left_out.push(level.at);
-            sizes[0] = None;
-        }
-    }
-
-    /// `k` or `n` that counts 1, 2, 3 is no size: whole numbers in k beside h are a degree.
-    fn drop_counters(&mut self, found: &mut Vec<Size>, time: bool) -> Result<(), TableError> {
-        let mut kept = Vec::new();
-        for size in found.drain(..) {
-            let name = normal(self.name(size.at));
-            if !["k", "n", "grid", "mesh"].contains(&name.as_str()) {
-                kept.push(size);
-                continue;
-            }
-            let numbers = self.column(size.at, size.measure != Measure::Length)?;
-            let mut distinct: Vec<f64> = Vec::new();
-            for value in numbers.iter().flatten() {
-                if !distinct.contains(value) && distinct.len() < 64 {
-                    distinct.push(*value);
-                }
-            }
-            let whole = distinct.iter().all(|value| value.fract() == 0.0);
-            let counts = distinct.len() > 2
-                && (distinct[0] == 0.0 || distinct[0] == 1.0)
-                && distinct.windows(2).all(|pair| pair[1] == pair[0] + 1.0);
-            let other = (0..self.roles.len()).any(|at| {
-                at != size.at && matches!(self.roles[at], Role::Space(_) | Role::Time(_))
-            });
-            let grows = distinct.len() > 1 && distinct[1] > distinct[0];
-            let degree = time && name == "k" && whole && grows;
-            match (counts || degree, other) {
-                (true, true) => {
-                    self.roles[size.at] = Role::Parameter;
-                    self.left_out.push(size.at);
-                }
-                (true, false) => {
-                    let (name, line) = (self.name(size.at), self.block.line);
-                    let list: Vec<String> = distinct.iter().take(3).map(f64::to_string).collect();
-                    let what = format!(
-                        "`{name}` is {}, ...: is it a counter? Call it `level` if each level halves the step, or `steps` if it counts steps",
-                        list.join(", ")
-                    );
-                    return Err(TableError::at(line, what));
-                }
-                _ => kept.push(size),
-            }
-        }
-        *found = kept;
-        Ok(())
-    }
-
-    /// Whether cells are as the square or the cube of a number.
-    fn is_power(&self, cells: usize, number: usize) -> bool {
-        let (Ok(cells), Ok(sides)) = (self.column(cells, true), self.column(number, true)) else {
-            return false;
-        };
-        let pairs: Option<Vec<(f64, f64)>> =
-            cells.into_iter().zip(sides).map(|(cells, side)| cells.zip(side)).collect();
-        let Some(pairs) = pairs.filter(|pairs| pairs.len() > 2) else { return false };
-        [2, 3].into_iter().any(|power| {
-            let each = |&(cells, side): &(f64, f64)| cells / side.powi(power);
-            // Counts are whole and exact.
-            pairs.iter().all(|pair| (each(pair) / each(&pairs[0]) - 1.0).abs() < 1e-12)
-        })
-    }
-
-    /// Whole sizes that grow where all errors fall are counts: an error that grew by refinement at such an order is none of a study.
-    fn counts(&self, size: &Size, measured: &[Measured]) -> bool {
-        let falls = |measured: &Measured| {
-            let entries = measured.entries.iter().map(|entry| entry.unwrap_or(f64::NAN));
-            let mut levels: Vec<(f64, f64)> = size.steps.iter().copied().zip(entries).collect();
-            levels.sort_by(|(a, _), (b, _)| a.total_cmp(b));
-            let steep = |pair: &[(f64, f64)]| {
-                let [(fine, a), (coarse, b)] = [pair[0], pair[1]];
-                fine < coarse && b / a < (fine / coarse).sqrt()
-            };
-            levels.len() > 2 && levels.windows(2).all(steep)
-        };
-        size.measure == Measure::Length
-            && size.steps.iter().all(|step| step.fract() == 0.0)
-            && measured.iter().all(falls)
-    }
-
-    fn has_sides(&self, at: usize) -> bool {
-        sides(self.block.rows.iter().map(|row| row.cells[at].as_str())).is_some()
-    }
-
-    /// The sizes of the rows by a column; NaN where one is missing.
-    fn steps(&self, at: usize, measure: Measure) -> Result<Vec<f64>, TableError> {
-        let name = self.name(at);
-        let counts = measure != Measure::Length;
-        let cells = || self.block.rows.iter().map(|row| row.cells[at].as_str());
-        let (numbers, measure) = match sides(cells()).filter(|_| counts) {
-            Some(sides) => (sides.into_iter().map(Some).collect(), Measure::Number),
-            None => (self.column(at, counts)?, measure),
-        };
-        let ratio = self.reading.ratio.unwrap_or(2.0);
-        let dimension = f64::from(self.reading.dimension.unwrap_or(1));
-        let mut before = f64::INFINITY;
-        let step = |(number, row): (Option<f64>, &Cells)| {
-            let Some(number) = number else { return Ok(f64::NAN) };
-            let odd = number.is_nan() && row.cells[at].contains('x');
-            let level = (0.0..=DEEPEST).contains(&number) && number <= before + 4.0;
-            before = number;
-            let why = match measure {
-                Measure::Level if !level || number.fract() != 0.0 => {
-                    "no level of refinement: call the column n if it counts cells along a side"
-                }
-                Measure::Level => return Ok(ratio.powf(-number)),
-                _ if odd => "no mesh of the shape of the others",
-                _ if !is_step(number) => "no step size, which is positive",
-                _ if counts && number.fract() != 0.0 => {
-                    "no whole number, which a count is: call it h or k if it is a step"
-                }
-                Measure::Cells | Measure::Unknowns => return Ok(number.powf(-1.0 / dimension)),
-                Measure::Number => return Ok(1.0 / number),
-                Measure::Length => return Ok(number),
-            };
-            let cell = if odd { row.cells[at].clone() } else { number.to_string() };
-            Err(TableError::at(row.line, format!("{name} = {cell} is {why}")))
-        };
-        numbers.into_iter().zip(&self.block.rows).map(step).collect()
-    }
-
-    /// Refuses a second column of sizes that says otherwise.
-    fn agree(&self, first: &Size, second: &Size) -> Result<(), TableError> {
-        let counted = |size: &Size| matches!(size.measure, Measure::Cells | Measure::Unknowns);
-        let allowed = match (first.measure == second.measure, second.measure) {
-            // Unknowns of different kinds grow at one rate in the limit only.
-            (true, Measure::Unknowns) => return Ok(()),
-            (true, _) => Some(SIZES_DIFFER),
-            (_, Measure::Level) if self.reading.ratio.is_none() => Some(LEVELS_DIFFER),
-            // A number beside a length may count all cells: it has to refine where the length does.
-            _ => None,
-        };
-        let [one, other] = [first, second].map(|size| self.name(size.at));
-        let mut before: Option<(u64, f64, f64)> = None;
-        for (row, (&a, &b)) in self.block.rows.iter().zip(first.steps.iter().zip(&second.steps)) {
-            if a.is_nan() || b.is_nan() {
-                continue;
-            }
-            let Some((line, c, d)) = before else {
-                before = Some((row.line, a, b));
-                continue;
-            };
-            let (by_one, by_other) = ((a / c).ln(), (b / d).ln());
-            let levels = if second.measure == Measure::Level {
-                (by_other / 2f64.ln()).abs().max(1.0)
-            } else {
-                1.0
-            };
-            let wrong = match allowed {
-                Some(allowed) => (by_one - by_other).abs() > allowed * levels,
-                None => by_one * by_other < 0.0 && !counted(second),
-            };
-            if wrong {
-                let what = format!(
-                    "two columns of sizes disagree: `{one}` and `{other}` give {a:.4e} and {b:.4e}, in line {line} {c:.4e} and {d:.4e}; leave one of them out"
-                );
-                return Err(TableError::at(row.line, what));
-            }
-        }
-        Ok(())
-    }
-
-    fn no_size(&self) -> String {
-        let count = |role: &Role| matches!(role, Role::Space(Measure::Cells | Measure::Unknowns));
-        if let Some(at) = self.roles.iter().position(count) {
-            return format!(
-                "the mesh is known by `{}` alone: --dimension D says how h follows, h ~ {}^(-1/D)",
-                self.name(at),
-                self.name(at)
-            );
-        }
-        "no column of sizes: --ratio 2 if each row halves the step, or a column h, k, n, level or steps".into()
-    }
-
     /// The columns that tell tables apart: those asked for, those of words, and what explains a level that comes again.
     fn by(
         &mut self,
@@ -690,8 +471,15 @@ impl<'a> Reader<'a> {
         }
         if by.is_empty() && !self.reading.runs {
             let words = |at: usize| rows.iter().all(|row| number(&row.cells[at]).is_none());
+            let flags = |at: usize| {
+                let flag =
+                    |row: &Cells| FLAGS.split(' ').any(|f| row.cells[at].eq_ignore_ascii_case(f));
+                rows.iter().all(flag)
+            };
             let apart = |&at: &usize| {
-                self.roles[at] == Role::Parameter && (words(at) || !self.left_out.contains(&at))
+                self.roles[at] == Role::Parameter
+                    && !flags(at)
+                    && (words(at) || !self.left_out.contains(&at))
             };
             by = candidates.iter().copied().filter(apart).filter(|&at| parts(at)).collect();
         }
@@ -745,7 +533,8 @@ impl<'a> Reader<'a> {
         }
         if read.is_empty() {
             let direction = if self.reading.in_time { "k" } else { "h" };
-            read.push(format!("{direction} by --ratio {}", self.reading.ratio.unwrap_or(2.0)));
+            let how = if self.reading.ratio.is_some() { "--ratio" } else { "a factor of" };
+            read.push(format!("{direction} by {how} {}", self.ratio.unwrap_or(2.0)));
         }
         let what = if columns.quantity == Quantity::Value { "values" } else { "errors" };
         let names = columns.measured.iter().map(|m| m.norm.as_deref());
@@ -762,10 +551,7 @@ impl<'a> Reader<'a> {
         if columns.runs {
             parts.push("rows of one level are runs".into());
         }
-        if !self.block.filled.is_empty() {
-            parts.push(format!("empty cells of {} as those above", listed(&self.block.filled)));
-        }
-        parts.extend(self.notes.iter().cloned());
+        parts.extend(self.block.notes.iter().chain(&self.notes).cloned());
         let unread = |at: &usize| !columns.by.contains(at) && !self.name(*at).is_empty();
         let mut left: Vec<usize> = self.left_out.iter().copied().filter(unread).collect();
         let parameter = |at: &usize| matches!(self.roles[*at], Role::Parameter | Role::Run);

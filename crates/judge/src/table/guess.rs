@@ -6,11 +6,12 @@ use super::line::{Block, Cells, is_word, listed};
 
 /// Sizes that a person takes for such refine by one factor, as far as they are printed.
 const FACTORS_DIFFER: f64 = 0.005;
-const POWERS_DIFFER: f64 = 0.002;
 /// Unknowns, points and rounded lengths do so less closely.
 const COUNTS_DIFFER: f64 = 0.4;
 /// A larger factor is that of tolerances, of cells in three dimensions, or of samples.
 const LARGEST_FACTOR: f64 = 3.1;
+/// Digits of a size that people choose.
+const ROUND: usize = 3;
 /// Numbers that fall by less in all may be values of something that tends to a limit.
 const LEAST_FALL: f64 = 3.5;
 /// Beside such a column others that fall by so much are errors, too.
@@ -20,6 +21,17 @@ const COLUMN: &str = "column";
 const LINE: &str = "line";
 const OTHERS: &str =
     "time cpu wall sec tol eps iter residual expect predict theor std deviation log memory speed";
+/// Names of what falls with the size and is no error.
+const LENGTHS: &str = "size edge width length spacing diameter radius volume area mass";
+/// Orders of what falls like a power of the size lie between these, and differ by less than this factor. A value that tends to a limit
+/// has none. What falls by so much in all needs no steady order.
+const ORDERS: std::ops::Range<f64> = 0.25..15.0;
+const ORDERS_DIFFER: f64 = 2.0;
+const CLEAR_FALL: f64 = 50.0;
+/// Printed powers of a size are off by so much, as logarithms.
+const POWERS_OFF: f64 = 0.005;
+/// Smaller errors may be rounding.
+const ROUNDING: f64 = 1e-11;
 
 /// The numbers of a column without gaps.
 fn numbers(rows: &[Cells], at: usize) -> Option<Vec<f64>> {
@@ -47,6 +59,21 @@ fn size(rows: &[Cells], at: usize) -> Option<Measure> {
     }
 }
 
+/// What the sizes of the first of several columns without names are that fall, or grow, and are round as people choose them.
+fn round(block: &Block) -> Option<Measure> {
+    let bare = block.names.len() > 1 && block.names[0] == format!("{COLUMN} 1");
+    let numbers = numbers(&block.rows, 0).filter(|_| bare)?;
+    let short = |row: &Cells| row.cells[0].trim_matches(['0', '.']).len() <= ROUND;
+    let goes = |sign: f64| numbers.windows(2).all(|pair| sign * (pair[1] - pair[0]) > 0.0);
+    match block.rows.iter().all(short) {
+        true if goes(-1.0) => Some(Measure::Length),
+        true if goes(1.0) && numbers.iter().all(|number| number.fract() == 0.0) => {
+            Some(Measure::Number)
+        }
+        _ => None,
+    }
+}
+
 /// Whether the rows refine from first to last, or from last to first, at one rate.
 fn refines(rows: &[Cells], at: usize, measure: Measure) -> Option<bool> {
     let factor = || factor(&numbers(rows, at)?, COUNTS_DIFFER).filter(|f| (f - 1.0).abs() > 0.2);
@@ -64,12 +91,12 @@ fn fall(rows: &[Cells], at: usize, forward: bool) -> Option<f64> {
     falling.then(|| numbers[0] / numbers[numbers.len() - 1])
 }
 
-/// By how much a column below 1 falls that may be one of errors, 0 if it does not; none for powers of a size and what has no number.
+/// By how much a column below 1 falls that may be one of errors, 0 if it does not; none for what has no number.
 fn fall_of_errors(block: &Block, at: usize, forward: bool) -> Option<f64> {
     let numbers = numbers(&block.rows, at).filter(|_| !is_other(&block.names[at]))?;
     let small = numbers.iter().all(|number| *number < 1.0);
     let fall = fall(&block.rows, at, forward).filter(|_| small).unwrap_or(0.0);
-    factor(&numbers, POWERS_DIFFER).is_none().then_some(fall)
+    Some(fall)
 }
 
 fn is_other(name: &str) -> bool {
@@ -99,6 +126,7 @@ pub(super) fn by_numbers(
         let open = |at: &usize| unknown(&roles[*at]) && !is_other(&block.names[*at]);
         let mut open = (0..roles.len()).filter(open);
         counted = open.find_map(|at| size(rows, at).map(|measure| (at, measure)));
+        counted = counted.or(round(block).map(|measure| (0, measure)));
         if let Some((at, measure)) = counted {
             roles[at] = Role::Space(measure);
         }
@@ -130,6 +158,67 @@ pub(super) fn by_numbers(
     counted.map(|(at, _)| (at, forward.unwrap_or(true)))
 }
 
+/// Columns without a known name that fall like powers of the size are errors.
+pub(super) fn by_powers(block: &Block, named: bool, roles: &mut [Role], notes: &mut Vec<String>) {
+    let size = |role: &Role| match *role {
+        Role::Space(measure) | Role::Time(measure) => Some(measure),
+        _ => None,
+    };
+    let sized = roles.iter().enumerate().find_map(|(at, role)| Some((at, size(role)?)));
+    let Some((at, measure)) = sized else { return };
+    let value = |row: &Cells, at: usize| number(row.cells.get(at)?).map(|number| number.value);
+    let step = |row: &Cells| {
+        let number = value(row, at)?;
+        Some(match measure {
+            Measure::Level => -number,
+            Measure::Length => number.ln(),
+            _ => -number.ln(),
+        })
+    };
+    let steps: Option<Vec<f64>> = block.rows.iter().map(step).collect();
+    let Some(steps) = steps.filter(|steps| steps.iter().all(|step| step.is_finite())) else {
+        return;
+    };
+    let falls = |at: &usize| {
+        let errors: Vec<f64> =
+            block.rows.iter().map(|row| value(row, *at).map_or(f64::NAN, f64::ln)).collect();
+        falls_like_a_power(&steps, &errors)
+    };
+    let other = |at: usize| {
+        let name = block.names[at].to_lowercase();
+        is_other(&name) || LENGTHS.split(' ').any(|length| name.contains(length))
+    };
+    let numeric = |at: usize| block.rows.iter().any(|row| value(row, at).is_some());
+    let open = |at: &usize| roles[*at] == Role::Unknown && !other(*at) && numeric(*at);
+    let open: Vec<usize> = (0..roles.len()).filter(open).collect();
+    let found: Vec<usize> = open.iter().copied().filter(falls).collect();
+    // Where no name says what an error is, a column that does not fall leaves it open.
+    if !found.is_empty() && (named || found.len() == open.len()) {
+        let names = listed(found.iter().map(|&at| &block.names[at]));
+        notes.push(format!("{names} taken for errors because they fall"));
+        found.into_iter().for_each(|at| roles[at] = Role::Wide);
+    }
+}
+
+/// Of logarithms of sizes and numbers. Rows may hold several ladders, of which each begins where the size goes back.
+fn falls_like_a_power(steps: &[f64], errors: &[f64]) -> bool {
+    let pairs = steps.windows(2).zip(errors.windows(2));
+    let pairs = || pairs.clone().map(|(h, e)| (h[0] - h[1], e[0] - e[1], e[0].min(e[1])));
+    let forward = pairs().map(|(h, ..)| h.signum()).sum::<f64>();
+    let ladders = 1 + pairs().filter(|(h, ..)| h * forward <= 0.0).count();
+    let along = || pairs().filter(|(h, _, least)| h * forward > 0.0 && !(*least < ROUNDING.ln()));
+    let orders: Vec<f64> = along().map(|(h, e, _)| e / h).collect();
+    let most = orders.iter().copied().fold(0.0, f64::max);
+    let least = orders.iter().copied().fold(f64::MAX, f64::min);
+    let steady = ORDERS.contains(&least) && most < ORDERS_DIFFER * least;
+    let fall: f64 = along().map(|(_, e, _)| e.abs()).sum();
+    let clear = least > 0.0 && fall > CLEAR_FALL.ln() * ladders as f64;
+    // `dx^2` is no error, nor is what is above 1 where no name says so.
+    let power = |(h, e): (&f64, &f64)| (e - h * most).abs() < POWERS_OFF;
+    let sound = errors.iter().all(|error| !(*error >= 0.0)) && most < ORDERS.end;
+    orders.len() > 1 && sound && (steady || clear) && !steps.iter().zip(errors).all(power)
+}
+
 /// A size by its numbers is one where all errors fall with it.
 pub(super) fn confirm(
     block: &Block,
@@ -153,7 +242,10 @@ pub(super) fn unnamed(block: &Block) -> Option<Block> {
     let width = block.rows[0].cells.len();
     let sound =
         |row: &Cells| row.cells.len() == width && !row.cells.iter().any(|cell| is_word(cell));
-    if !block.names.is_empty() && (width > 1 || is_size(&block.names[0]))
+    // A sentence names no columns.
+    let prose = block.names.len() > width
+        && block.names.last().is_some_and(|name| name.ends_with([':', '.']));
+    if !block.names.is_empty() && !prose && (width > 1 || is_size(&block.names[0]))
         || !block.rows.iter().all(sound)
     {
         return None;

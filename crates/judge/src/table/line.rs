@@ -23,8 +23,8 @@ pub(super) struct Block {
     pub(super) left_out: Vec<u64>,
     /// Several values of a name in one record: none of them is read.
     pub(super) repeated: Vec<String>,
-    /// Columns whose empty cells are as those above.
-    pub(super) filled: Vec<String>,
+    /// What was taken from elsewhere.
+    pub(super) notes: Vec<String>,
 }
 
 /// Names in a sentence.
@@ -38,12 +38,12 @@ pub(super) fn listed(names: impl IntoIterator<Item = impl AsRef<str>>) -> String
 impl Block {
     /// Rows below no title, with nothing between them.
     pub(super) fn of_rows(line: u64, names: Vec<String>, rows: Vec<Cells>) -> Self {
-        let (left_out, repeated, filled) = (Vec::new(), Vec::new(), Vec::new());
+        let (left_out, repeated, notes) = (Vec::new(), Vec::new(), Vec::new());
         let end = rows.last().map_or(line, |row| row.line);
-        Self { title: String::new(), line, end, names, rows, left_out, repeated, filled }
+        Self { title: String::new(), line, end, names, rows, left_out, repeated, notes }
     }
 
-    /// Cells `h = 0.1` of a column are numbers of h; an empty one below the first of several rows is as above.
+    /// Cells `h = 0.1` or `mesh 16x16` of a column are numbers; an empty one below the first of several rows is as above.
     pub(super) fn tidied(mut self) -> Self {
         // Blanks that kept columns in their places.
         for name in &mut self.names {
@@ -53,53 +53,76 @@ impl Block {
             return self;
         }
         for at in (0..self.names.len()).rev() {
-            let cells = |row: &Cells| row.cells.get(at).cloned().unwrap_or_default();
-            let pair = |row: &Cells| {
-                let cell = cells(row).replace(['$', '`'], "");
-                let (name, value) = cell.split_once('=')?;
-                let value = value.trim().trim_end_matches(')');
-                number(value).map(|_| [name.trim().to_owned(), value.to_owned()])
+            let cells = self.rows.iter().map(|row| row.cells.get(at).map(|cell| phrases(cell)));
+            let Some(rows) = cells.collect::<Option<Vec<_>>>() else { continue };
+            let count = rows[0].len();
+            let equal = |of: fn(&Phrase) -> &str, at: usize| {
+                rows.iter().all(|row| of(&row[at]) == of(&rows[0][at]))
             };
-            let pairs: Option<Vec<[String; 2]>> = self.rows.iter().map(pair).collect();
-            let Some(mut pairs) = pairs else { continue };
-            let same = |pairs: &[[String; 2]]| pairs.windows(2).all(|two| two[0][0] == two[1][0]);
-            let mut place = at;
-            if !same(&pairs) || !is_size(&pairs[0][0]) && pairs[0][0].contains([' ', '(']) {
-                // `Euler, dt = 0.1`: the words before the name are a column of their own.
-                let before = |pair: &mut [String; 2]| {
-                    let start = pair[0].rfind([' ', ',', '(']).map_or(0, |at| at + 1);
-                    let name = pair[0].split_off(start);
-                    std::mem::replace(&mut pair[0], name)
-                };
-                let words: Vec<String> = pairs.iter_mut().map(before).collect();
-                if !same(&pairs) || !is_size(&pairs[0][0]) {
-                    continue;
-                }
-                self.names.insert(at, self.names[at].clone());
-                for (row, words) in self.rows.iter_mut().zip(words) {
-                    row.cells.insert(at, words.trim_matches([' ', ',', '(']).to_owned());
-                }
-                place += 1;
+            if count == 0 || rows.iter().any(|row| row.len() != count) {
+                continue;
             }
-            self.names[place].clone_from(&pairs[0][0]);
-            for (row, [_, value]) in self.rows.iter_mut().zip(pairs) {
-                row.cells[place] = value;
+            let names = (0..count).map(|place| {
+                let name: [fn(&Phrase) -> &str; 2] = [Phrase::last, |p| &p.name];
+                let first = &rows[0][place];
+                let sized = name.into_iter().find(|of| is_size(of(first)) && equal(*of, place));
+                let plain = first.assigned && !first.name.contains([' ', '(']);
+                let of = sized.or(name.into_iter().find(|of| plain && equal(*of, place)))?;
+                Some(of(first).to_owned())
+            });
+            let Some(names) = names.collect::<Option<Vec<String>>>() else { continue };
+            // `Euler, dt = 0.1`: the words before the name are a column of their own.
+            let words = |row: &[Phrase]| {
+                row[0]
+                    .name
+                    .strip_suffix(&*names[0])
+                    .map(|w| w.trim_end_matches([' ', ',']).to_owned())
+            };
+            let worded = rows.iter().any(|row| row[0].name != names[0]);
+            for (row, phrases) in self.rows.iter_mut().zip(&rows) {
+                let words = worded.then(|| words(phrases).unwrap_or_default());
+                let numbers = phrases.iter().map(|phrase| phrase.number.clone());
+                row.cells.splice(at..=at, words.into_iter().chain(numbers)).for_each(drop);
             }
+            let word = worded.then(|| self.names[at].clone());
+            self.names.splice(at..=at, word.into_iter().chain(names)).for_each(drop);
         }
         let sized = self.names.iter().position(|name| is_size(name)).unwrap_or(0);
+        let mut filled = Vec::new();
         let open = |row: &Cells, at| row.cells.get(at).is_some_and(String::is_empty);
         for at in 0..=sized {
             let many = self.rows.iter().filter(|row| open(row, at)).count();
             if open(&self.rows[0], at) || 2 * many < self.rows.len() {
                 continue;
             }
-            self.filled.push(self.names[at].clone());
+            filled.push(self.names[at].clone());
             for row in 1..self.rows.len() {
                 let above = self.rows[row - 1].cells.get(at).cloned();
                 if let Some(above) = above.filter(|_| open(&self.rows[row], at)) {
                     self.rows[row].cells[at] = above;
                 }
             }
+        }
+        if !filled.is_empty() {
+            self.notes.push(format!("empty cells of {} as those above", listed(filled)));
+        }
+        self
+    }
+
+    /// With the one list of sizes in the text that has a number for each row, where no column holds any.
+    pub(super) fn sized(mut self, lists: &[(String, Vec<String>)]) -> Self {
+        let mut fit =
+            lists.iter().filter(|(_, cells)| cells.len() == self.rows.len() && cells.len() > 2);
+        let whole = || self.rows.iter().all(|row| row.cells.len() == self.names.len());
+        let open =
+            !self.names.iter().any(|name| is_size(name)) && !self.names.is_empty() && whole();
+        if let (Some((name, cells)), None) = (fit.next().filter(|_| open), fit.next()) {
+            self.names.insert(0, name.clone());
+            self.rows
+                .iter_mut()
+                .zip(cells)
+                .for_each(|(row, cell)| row.cells.insert(0, cell.clone()));
+            self.notes.push(format!("`{name}` stands beside the rows"));
         }
         self
     }
@@ -141,6 +164,41 @@ impl Block {
         let names = columns.iter().map(|(name, _)| name.clone()).collect();
         Self { end, ..Self::of_rows(line, names, rows) }
     }
+}
+
+/// A number of a cell, and the words before it.
+struct Phrase {
+    name: String,
+    number: String,
+    /// Whether a sign stands between.
+    assigned: bool,
+}
+
+impl Phrase {
+    fn last(&self) -> &str {
+        self.name.rsplit(' ').next().unwrap_or_default()
+    }
+}
+
+/// The numbers of a cell behind words: `level 3 (h = 0.125)` has two. A cell that is a number has none.
+fn phrases(cell: &str) -> Vec<Phrase> {
+    let (mut found, mut name, mut assigned) = (Vec::new(), Vec::new(), false);
+    if cell.len() > LONGEST || number(cell).is_some() {
+        return found;
+    }
+    let parted = cell.replace(['$', '`'], "").replace('=', " = ").replace([':', '(', ')'], " ");
+    for word in parted.split_whitespace() {
+        match number(word.trim_end_matches(',')) {
+            _ if word == "=" => assigned = true,
+            Some(_) if !name.is_empty() => {
+                let number = word.trim_end_matches(',').to_owned();
+                found.push(Phrase { name: name.join(" "), number, assigned });
+                (name, assigned) = (Vec::new(), false);
+            }
+            _ => name.push(word),
+        }
+    }
+    found
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -492,20 +550,19 @@ const RATES_DIFFER: f64 = 0.02;
 /// Whether a column, empty in the first row, is the ratio of two rows of another, or its binary logarithm.
 pub(super) fn is_computed(rows: &[Cells], at: usize, from: usize) -> bool {
     let cell = |row: &Cells, at: usize| number(row.cells.get(at)?).map(|number| number.value);
-    let lacks = rows[0].cells.get(at).is_none_or(|cell| {
-        is_missing(cell) || number(cell).is_some_and(|n| n.value == 0.0 || n.value.is_nan())
-    });
+    let known = |row: &Cells| cell(row, at).filter(|rate| *rate != 0.0 && !rate.is_nan());
+    let lacks = known(&rows[0]).is_none();
     let near = |a: f64, b: f64| (a / b - 1.0).abs() < RATES_DIFFER;
     let is = |of: fn(f64) -> f64| {
         let computed = |pair: &[Cells]| {
-            let [before, error, rate] =
-                [(&pair[0], from), (&pair[1], from), (&pair[1], at)].map(|(row, at)| cell(row, at));
-            let ratio = before.zip(error).map(|(before, error)| before / error);
-            ratio.zip(rate).is_some_and(|(ratio, rate)| near(of(ratio), rate))
+            let ratio = cell(&pair[0], from).zip(cell(&pair[1], from)).map(|(a, b)| a / b);
+            ratio.zip(known(&pair[1])).is_some_and(|(ratio, rate)| near(of(ratio), rate))
         };
-        rows.windows(2).all(computed)
+        // A rate of what begins later begins later, too.
+        let mut pairs = rows.windows(2).skip_while(|pair| known(&pair[1]).is_none()).peekable();
+        pairs.peek().is_some() && pairs.clone().count() > 1 && pairs.all(computed)
     };
-    lacks && rows.len() > 2 && (is(|ratio| ratio) || is(f64::log2))
+    lacks && (is(|ratio| ratio) || is(f64::log2))
 }
 
 /// Whether a line names none of the columns.

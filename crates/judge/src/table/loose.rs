@@ -1,14 +1,17 @@
-//! Tables that stand in no rows: records of a log, lists, sizes across, and a table on its side.
+//! Tables that stand in no plain rows: records of a log, and columns below a rule.
 
 use std::collections::HashMap;
 
-use super::cell::{Role, is_missing, is_norm, is_rate, is_size, number, role};
-use super::line::{BARS, Block, Cells, Kind, Line, Separator, classify, is_rule, is_word};
+use super::cell::{Measure, Role, is_missing, is_norm, is_size, number, role};
+use super::line::{Block, Cells};
 
 const MOST_PAIRS: usize = 10_000;
 
 /// Words of a name.
 const MOST_WORDS: usize = 12;
+
+/// The name of a number that has none, behind a size.
+const BEHIND: &str = "number behind";
 
 /// Comma and semicolon within a name.
 const JOINED: [&str; 2] = ["\u{e000}", "\u{e001}"];
@@ -36,29 +39,63 @@ fn pairs(line: &str) -> Vec<(String, String)> {
         .replace(['=', ':'], " = ")
         .replace([',', ';'], " , ")
         .replace(" %", "%");
-    let (mut found, mut name) = (Vec::new(), Vec::new());
+    let (mut found, mut name): (Vec<(String, String)>, Vec<&str>) = (Vec::new(), Vec::new());
     let mut words = spaced.split_whitespace().peekable();
     let value = |word: &str| number(word).is_some() || is_missing(word);
+    // Three numbers and more are a list.
+    let listed = |words: &mut std::iter::Peekable<std::str::SplitWhitespace>| {
+        let more = words.clone().take_while(|word| number(word).is_some()).count();
+        more > 1 && words.nth(more - 1).is_some()
+    };
+    // `122 elements` has its name behind.
+    let count = |word: Option<&&str>| {
+        let word = word.map(|word| word.trim_matches(['(', ')', '.']));
+        let of_mesh =
+            |word: &&str| matches!(role(word), Role::Space(Measure::Cells | Measure::Unknowns));
+        word.filter(|word| word.len() > 2).filter(of_mesh).map(str::to_owned)
+    };
     // `L2 error with N = 16: 0.05` is a size, and an error before and behind it.
     let mut error_of: Option<String> = None;
     while let Some(word) = words.next() {
         let named = name.join(" ").replace(JOINED[0], ",").replace(JOINED[1], ";");
+        // A sentence may end with a number.
+        let bare = word.trim_end_matches('.');
+        let word = if number(bare).is_some() { bare } else { word };
         match word {
             "," => name.clear(),
             "=" => {
                 let named = error_of.take().filter(|_| name.is_empty()).unwrap_or(named);
+                // What stands behind a size without a name: `n = 8: 0.1`.
+                let bare = name.is_empty() && found.last().is_some_and(|(name, _)| is_size(name));
+                let named = if named.is_empty() && bare { BEHIND.into() } else { named };
                 let worded = named.chars().any(char::is_alphabetic);
-                if let Some(value) = words.next_if(|word| worded && value(word)) {
-                    let (named, error) = split(named, words.peek() == Some(&"="));
+                if let Some(value) = words.next_if(|word| worded && value(word))
+                    && !listed(&mut words)
+                {
+                    let (named, error) = split(named);
                     (error_of, _) = (error, found.push((named, value.to_owned())));
                 }
                 name.clear();
             }
             // What stands in brackets after a value is no name, nor is a mark of a list.
             _ if name.is_empty() && (word.starts_with('(') || word == "|" || is_mark(word)) => {}
-            _ if number(word).is_some() && (is_norm(&named) || is_size(&named)) => {
-                let (named, error) = split(named, words.peek() == Some(&"="));
-                (error_of, _) = (error, found.push((named, word.to_owned())));
+            "is" | "was" if error_of.is_some() && name.is_empty() => {}
+            _ if number(word).is_some() && count(words.peek()).is_some() => {
+                found.extend(count(words.peek()).map(|name| (name, word.to_owned())));
+                words.next();
+                name.clear();
+            }
+            _ if number(word).is_some()
+                && (is_norm(&named)
+                    || is_size(&named)
+                    || name.is_empty() && error_of.is_some()) =>
+            {
+                let named = error_of.take().filter(|_| name.is_empty()).unwrap_or(named);
+                let (named, error) = split(named);
+                error_of = error;
+                if !listed(&mut words) {
+                    found.push((named, word.to_owned()));
+                }
                 name.clear();
             }
             _ => {
@@ -87,10 +124,9 @@ fn is_mark(word: &str) -> bool {
     !word.contains('|') && !word.chars().any(|c| c.is_alphanumeric() || c == '‖')
 }
 
-/// `L2 error with N` before `= 16: 0.05` as the size and the error.
-fn split(named: String, goes_on: bool) -> (String, Option<String>) {
-    match named.rsplit_once(' ').filter(|(error, size)| goes_on && is_norm(error) && is_size(size))
-    {
+/// `L2 error with N` before `= 16: 0.05` or `= 16 is 0.05` as the size and the error.
+fn split(named: String) -> (String, Option<String>) {
+    match named.rsplit_once(' ').filter(|(error, size)| is_norm(error) && is_size(size)) {
         Some((error, size)) => {
             let error =
                 ["at", "with", "for"].iter().fold(error, |e, word| e.trim_end_matches(word));
@@ -230,101 +266,6 @@ fn records_of(lines: &[(u64, &str)], begins: Records) -> Option<Block> {
     Some(Block { repeated, end, ..Block::of_rows(line, names, rows) })
 }
 
-/// A list of sizes may be called `hs`.
-fn singular(name: &str) -> String {
-    let ends = ["s", "_values", "_vals", "_list", "values", "vals", "list"];
-    let mut single = ends.iter().filter_map(|end| name.strip_suffix(end));
-    single.find(|single| !is_size(name) && is_size(single)).unwrap_or(name).to_owned()
-}
-
-/// `h = [0.5, 0.25]` and the like, as Python, Julia and MATLAB write lists: columns of equal length.
-pub(super) fn arrays(text: &str) -> Vec<Block> {
-    let mut columns: Vec<(String, Vec<String>)> = Vec::new();
-    let mut ends: Option<[usize; 2]> = None;
-    for (open, _) in text.match_indices('[') {
-        let Some(close) = text[open + 1..].find([']', '[']).map(|at| open + 1 + at) else { break };
-        let inside = text[open + 1..close].replace("...", " ").replace([',', ';', '\n', '\t'], " ");
-        let cells: Vec<String> = inside.split_whitespace().map(str::to_owned).collect();
-        if cells.len() < 2 || !cells.iter().all(|cell| number(cell).is_some()) {
-            continue;
-        }
-        let start = text[..open].rfind(['\n', ',', '{', ']', ';']).map_or(0, |at| at + 1);
-        // What is said behind code is a remark.
-        let line = text[..open].rfind('\n').map_or(0, |at| at + 1);
-        if text[line..open].trim_start().find(['%', '#']).is_some_and(|at| at > 0) {
-            continue;
-        }
-        let Some((name, _)) = text[start..open].rsplit_once(['=', ':']) else { continue };
-        let name = name.trim_matches(|c: char| c.is_whitespace() || "\"':".contains(c));
-        if is_rate(name) {
-            continue;
-        }
-        ends = Some([ends.map_or(open, |ends| ends[0]), close]);
-        columns.push((singular(name.rsplit([' ', '(', '{']).next().unwrap_or(name)), cells));
-    }
-    let alike = |pair: &[(String, Vec<String>)]| pair[0].1.len() == pair[1].1.len();
-    let Some(ends) = ends.filter(|_| columns.windows(2).all(alike)) else { return Vec::new() };
-    let [line, end] = ends.map(|at| 1 + text[..at].matches('\n').count() as u64);
-    vec![Block::of_columns(line, end, columns)]
-}
-
-/// `h = 0.5 0.25`, its numbers in the lines below, as MATLAB prints a vector, or `h = 0.5` of a line for each level: columns of equal
-/// length.
-pub(super) fn assigned(text: &str) -> Vec<Block> {
-    let mut columns: Vec<(String, Vec<String>)> = Vec::new();
-    let (mut line, mut end, mut scale, mut open) = (None, 0, 1.0, false);
-    for (at, text) in (1..).zip(text.lines()) {
-        let (name, values) = text.rsplit_once(['=', ':']).unwrap_or(("", text));
-        let name = name.trim();
-        if name.is_empty() && !open {
-            continue;
-        }
-        let words = values.split_whitespace().map(|word| word.trim_end_matches([',', ';']));
-        let words: Vec<&str> = words.filter(|word| !word.is_empty()).collect();
-        let numbers: Option<Vec<f64>> =
-            words.iter().map(|word| number(word).map(|number| number.value)).collect();
-        match (&words[..], numbers) {
-            ([], _) if text.trim_end().ends_with('=') && !name.contains(' ') => {
-                columns.push((singular(name), Vec::new()));
-                (line, scale, open) = (line.or(Some(at)), 1.0, true);
-            }
-            ([], _) | (["Columns" | "Column", ..], _) => {}
-            ([factor, "*"], _) => scale = number(factor).map_or(1.0, |number| number.value),
-            (_, Some(numbers)) if name.is_empty() => {
-                let scaled = numbers.into_iter().map(|number| format!("{:e}", number * scale));
-                columns.last_mut().into_iter().for_each(|(_, cells)| cells.extend(scaled.clone()));
-                end = at;
-            }
-            (_, Some(numbers))
-                if numbers.len() > 1 || is_size(name) && !name.contains(['=', ':']) =>
-            {
-                let cells = words.iter().map(|&word| word.to_owned());
-                let name = singular(name);
-                let known = columns.iter_mut().find(|known| known.0 == name && numbers.len() == 1);
-                match known {
-                    Some((_, known)) => known.extend(cells),
-                    None => columns.push((name, cells.collect())),
-                }
-                (line, end, open) = (line.or(Some(at)), at, false);
-            }
-            _ => {}
-        }
-    }
-    columns.retain(|(name, cells)| cells.len() > 1 && !is_rate(name));
-    // Beside lists of sizes and errors others may be of something else.
-    let known = |(name, _): &&(String, Vec<String>)| is_size(name) || is_norm(name);
-    let count = columns.iter().find(known).or(columns.first()).map_or(0, |(_, cells)| cells.len());
-    columns.retain(|column| known(&column) || column.1.len() == count);
-    // Lists of one name, below headings, are those of several tables.
-    let alike = |(at, (name, cells)): (usize, &(String, Vec<String>))| {
-        cells.len() == count && columns[..at].iter().all(|(before, _)| before != name)
-    };
-    match line.filter(|_| columns.len() > 1 && columns.iter().enumerate().all(alike)) {
-        Some(line) => vec![Block::of_columns(line, end, columns)],
-        None => Vec::new(),
-    }
-}
-
 /// Rows below a rule of dashes with gaps, `----  ----`, which says where each column stands: cells may be empty there.
 pub(super) fn ruled(text: &str) -> Vec<Block> {
     let lines: Vec<Vec<char>> =
@@ -367,76 +308,4 @@ pub(super) fn ruled(text: &str) -> Vec<Block> {
         }
     }
     found
-}
-
-/// A table on its side: every line is a name and its numbers.
-pub(super) fn lying(text: &str) -> Vec<Block> {
-    let mut separators = Separator::ALL.into_iter();
-    let separator = separators.find(|s| s.is_in(text)).unwrap_or(Separator::Blanks);
-    let mut lines: Vec<Line> = classify(text, separator);
-    lines.retain(|line| line.kind != Kind::Gap);
-    let Some(width) = lines.iter().map(|line| line.cells.len()).max() else { return Vec::new() };
-    let named = |line: &Line| {
-        let sound = |cell: &String| !is_word(cell);
-        let split = line.cells.split_first();
-        line.cells.len() == width
-            && split.is_some_and(|(name, cells)| is_word(name) && cells.iter().all(sound))
-    };
-    if lines.iter().any(|line| line.kind == Kind::Row && !named(line)) {
-        return Vec::new();
-    }
-    lines.retain(named);
-    if lines.len() < 2 || width < 3 {
-        return Vec::new();
-    }
-    let ends = [&lines[0], &lines[lines.len() - 1]].map(|line| line.number);
-    let column = |mut line: Line| (line.cells.remove(0), line.cells);
-    vec![Block::of_columns(ends[0], ends[1], lines.into_iter().map(column).collect())]
-}
-
-/// Sizes across, `h = 1/2   h = 1/4`, above rows that begin with what they are.
-pub(super) fn across(text: &str) -> Vec<Block> {
-    let lines: Vec<&str> = text.lines().collect();
-    for (at, line) in lines.iter().enumerate().filter(|(_, line)| line.contains('=')) {
-        let sizes = pairs(&line.replace(BARS, " , ").replace('&', " , "));
-        let Some(size) = sizes.first().map(|pair| pair.0.clone()).filter(|size| is_size(size))
-        else {
-            continue;
-        };
-        if sizes.len() < 2 || sizes.iter().any(|pair| pair.0 != size) {
-            continue;
-        }
-        let cells = |line: &str| -> Vec<String> {
-            let cells = line.trim().trim_matches(BARS).split(BARS);
-            cells.map(|cell| cell.replace("**", "").trim().to_owned()).collect()
-        };
-        let places: Vec<usize> =
-            (0..).zip(cells(line)).filter(|(_, c)| c.contains('=')).map(|c| c.0).collect();
-        let row = |line: &&str| -> Option<(String, Vec<String>)> {
-            let (label, values) = if places.len() == sizes.len() {
-                let cells = cells(line);
-                let values: Option<Vec<String>> =
-                    places.iter().map(|&at| cells.get(at).cloned()).collect();
-                (cells.get(..places[0])?.join(" "), values?)
-            } else {
-                let words: Vec<String> =
-                    line.replace(BARS, " ").split_whitespace().map(str::to_owned).collect();
-                let (label, values) =
-                    words.split_at_checked(words.len().checked_sub(sizes.len())?)?;
-                (label.join(" "), values.to_vec())
-            };
-            let label = label.trim().to_owned();
-            let sound = !label.is_empty() && values.iter().all(|value| number(value).is_some());
-            let label = if is_norm(&label) { label } else { format!("error of {label}") };
-            sound.then_some((label, values))
-        };
-        let below = lines[at + 1..].iter().filter(|line| !is_rule(line));
-        let columns: Vec<_> = below.map_while(row).collect();
-        if !columns.is_empty() {
-            let (line, sizes) = (at as u64 + 1, sizes.into_iter().map(|pair| pair.1).collect());
-            let end = line + columns.len() as u64;
-            return vec![Block::of_columns(line, end, [vec![(size, sizes)], columns].concat())];
-        }
-    }
-    Vec::new()
 }

@@ -7,9 +7,11 @@ mod columns;
 mod group;
 mod guess;
 mod line;
+mod lists;
 mod loose;
 mod names;
 mod read;
+mod sizes;
 mod text;
 
 pub use cell::named;

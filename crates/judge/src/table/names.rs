@@ -170,8 +170,14 @@ fn fitted(names: Vec<String>, width: usize, rows: &[Cells]) -> Option<(Vec<Strin
     if extra == 0 {
         return Some((names, 0));
     }
-    // A last separator without a cell.
-    let last = |row: &Cells| row.cells.last().is_none_or(String::is_empty);
+    // A last separator without a cell, or one word behind all rows.
+    let last = |row: &Cells| {
+        row.cells.last() == rows[0].cells.last()
+            && row
+                .cells
+                .last()
+                .is_none_or(|cell| cell.is_empty() || rows.len() > 1 && is_word(cell))
+    };
     if extra == 1 && rows.iter().all(last) {
         return Some(([names, vec![String::new()]].concat(), 1));
     }

@@ -173,7 +173,7 @@ fn rows(
         let (mut h, mut k) = (step(0), step(1));
         let own: Vec<&str> =
             columns.scene.iter().chain(&columns.by).map(|&place| text(place)).collect();
-        if let (None, None, Some(ratio)) = (&columns.steps[0], &columns.steps[1], reading.ratio) {
+        if let (None, None, Some(ratio)) = (&columns.steps[0], &columns.steps[1], columns.ratio) {
             let count = counts.entry(own.clone()).or_insert(0);
             let place = if reading.in_time { &mut k } else { &mut h };
             *place = ratio.powi(-*count);

@@ -5,13 +5,13 @@ use super::guess::{has_errors, unnamed};
 use super::line::{
     Block, Cells, Kind, Line, Separator, classify, is_title, is_word, numbers, plain, uncommented,
 };
+use super::lists::{lists, sizes};
 use super::loose::{self, Records};
 use super::names::head;
 
 /// The ways to cut a text into blocks.
-const WAYS: [fn(&str) -> Vec<Block>; 15] = [
-    loose::arrays,
-    loose::across,
+const WAYS: [fn(&str) -> Vec<Block>; 14] = [
+    |text| lists(text, true),
     |text| blocks(text, Separator::Latex),
     |text| blocks(text, Separator::Pipe),
     |text| blocks(text, Separator::Character('\t')),
@@ -19,12 +19,12 @@ const WAYS: [fn(&str) -> Vec<Block>; 15] = [
     |text| blocks(text, Separator::Character(',')),
     loose::ruled,
     |text| blocks(text, Separator::Blanks),
-    loose::assigned,
     |text| loose::records(text, Records::Lines),
     |text| loose::records(text, Records::BySize),
     |text| loose::records(text, Records::InTurn),
-    loose::lying,
+    |text| lists(text, false),
     nameless,
+    bracketed,
 ];
 
 /// The blocks by every way to cut the text, each as a list: the first with a table in it is meant. What nothing is found in is
@@ -38,8 +38,10 @@ pub(super) fn readings(text: &str) -> impl Iterator<Item = Vec<Block>> {
     });
     let texts = std::iter::once(text).chain(bare.flatten());
     texts.flat_map(|text| {
+        let sizes = sizes(&text);
         WAYS.iter().map(move |way| {
-            way(&text).into_iter().map(Block::tidied).flat_map(Block::parted).collect()
+            let blocks = way(&text).into_iter().map(Block::tidied).flat_map(Block::parted);
+            blocks.map(|block| block.sized(&sizes)).collect()
         })
     })
 }
@@ -62,6 +64,31 @@ fn nameless(text: &str) -> Vec<Block> {
         }
     }
     Vec::new()
+}
+
+/// Rows in brackets, or parted by semicolons, as scripts write matrices and pairs.
+fn bracketed(text: &str) -> Vec<Block> {
+    let (mut rows, mut lines) = (String::new(), Vec::new());
+    for (line, text) in (1..).zip(text.lines()) {
+        for piece in text.split(['[', ']', '(', ')', '{', '}', ';']) {
+            let piece = piece.replace([',', '\t'], " ");
+            let bare = piece.split_whitespace().all(|word| number(word).is_some());
+            rows += if bare { &piece } else { "" };
+            rows.push('\n');
+            lines.push(line);
+        }
+    }
+    if !text.contains(['[', '(']) {
+        return Vec::new();
+    }
+    let mut found = nameless(&rows);
+    let place = |line: &mut u64| *line = lines.get(*line as usize - 1).copied().unwrap_or(*line);
+    for block in &mut found {
+        [&mut block.line, &mut block.end].into_iter().for_each(place);
+        block.rows.iter_mut().for_each(|row| place(&mut row.line));
+        block.left_out.iter_mut().for_each(place);
+    }
+    found
 }
 
 fn blocks(text: &str, separator: Separator) -> Vec<Block> {
