@@ -64,8 +64,13 @@ pub fn verify(
         sweep = sweep.orders_only();
     }
     let swept = answered(py, sweep, |case| answer(py, &solve, case, pressure))?;
-    let document =
-        judge::verdict::document(&serde_json::Value::Null, &swept.verdicts, &swept.records, None);
+    let document = judge::verdict::document(
+        &serde_json::Value::Null,
+        &swept.verdicts,
+        &swept.records,
+        None,
+        None,
+    );
     serde_json::to_string(&document).map_err(|error| PyRuntimeError::new_err(error.to_string()))
 }
 

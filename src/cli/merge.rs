@@ -58,7 +58,7 @@ impl MergeCommand {
         write_sorted(&table, &records)?;
         let provenance = provenance.json();
         let verdict = self.out.join("verdict.json");
-        write_json(&verdict, &provenance, &verdicts, &records, comparison.as_ref())?;
+        write_json(&verdict, &provenance, &verdicts, &records, comparison.as_ref(), None)?;
         let _out = Some(out);
         let swept = Swept { records, verdicts, provenance, comparison, _out, ..Swept::default() };
         if self.json {

@@ -42,7 +42,7 @@ impl Report {
         let path = self.dir.join("cases.csv");
         let read = read_table(&path).and_then(|table| table.unchanged(&path));
         let CaseTable { cases: mut records, torn, .. } = read?;
-        let Earlier { failures, foreseen } = read_earlier(&self.dir.join("verdict.json"))?;
+        let Earlier { failures, foreseen, cause } = read_earlier(&self.dir.join("verdict.json"))?;
         restore_reasons(&mut records, &failures);
         let known = Provenance::read(&self.dir)?;
         if let Some(other) = known.as_ref().and_then(Provenance::other_version) {
@@ -76,7 +76,7 @@ impl Report {
             missing.extend(owed.missing);
         }
         let provenance = known.unwrap_or_else(|| Provenance::new(of_records.iter())).json();
-        write_all(&self.dir, &summaries, &records, &verdicts, &provenance, None)?;
+        write_all(&self.dir, &summaries, &records, &verdicts, &provenance, None, cause.as_ref())?;
         if let Some(typesetter) = &typesetter {
             typesetter.set(&self.dir, self.date.as_deref())?;
         }

@@ -158,7 +158,7 @@ impl Run {
         if failed > 0 {
             // The table has no column for reasons.
             let provenance = Provenance::of_run(&plans, &machine).json();
-            write_json(&what.out.join("verdict.json"), &provenance, &[], &records, None)?;
+            write_json(&what.out.join("verdict.json"), &provenance, &[], &records, None, None)?;
         }
         write_sorted(&what.out.join("cases.csv"), &records)?;
         let (cases, out) = (counted(records.len(), "case"), what.out.display());
@@ -180,7 +180,7 @@ impl Gate {
         let swept = self.what.sweep(scenes, plans, false, true)?;
         let Swept { provenance, verdicts, records, comparison, .. } = &swept;
         let document = self.what.out.join("verdict.json");
-        write_json(&document, provenance, verdicts, records, comparison.as_ref())?;
+        write_json(&document, provenance, verdicts, records, comparison.as_ref(), None)?;
         if let Some(path) = &self.json {
             write_named(path, &read_file(&document)?)?;
         }
@@ -222,7 +222,16 @@ impl What {
             |plan: &ScenePlan| Some((plan.scene().name.clone(), reference_error(plan, &records)?));
         let references = plans.iter().filter_map(found).collect();
         let _out = Some(out);
-        Ok(Swept { plans, records, verdicts, provenance, comparison, references, _out })
+        Ok(Swept {
+            plans,
+            records,
+            verdicts,
+            provenance,
+            comparison,
+            references,
+            cause: None,
+            _out,
+        })
     }
 
     /// Runs the cases of the plans; `resuming` is the command that goes on with them.

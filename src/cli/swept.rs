@@ -8,7 +8,7 @@ use super::{CliError, print_as_it_is, print_text, print_verdicts, prints_all};
 use files::counted;
 use judge::fit::AgainstReference;
 use judge::record::CaseRecord;
-use judge::verdict::{Comparison, Verdict, document, exit_code, failures};
+use judge::verdict::{Cause, Comparison, Verdict, document, exit_code, failures};
 use report::{AnnotationPlace, SceneSummary, annotations, step_summary, write_all};
 use run::sweep::{OutputDirectory, ScenePlan, reference_in_words};
 use serde_json::{Value, json};
@@ -22,6 +22,8 @@ pub(super) struct Swept {
     pub(super) plans: Vec<ScenePlan>,
     pub(super) provenance: Value,
     pub(super) comparison: Option<Comparison>,
+    /// Why a solver under test is wrong.
+    pub(super) cause: Option<Cause>,
     /// Scenes with given loads, and the errors of their reference runs.
     pub(super) references: Vec<(String, AgainstReference)>,
     /// Kept locked until the report is written.
@@ -37,17 +39,19 @@ impl Swept {
 
     /// Writes the report and everything it links to.
     pub(super) fn write(&self, out: &Path) -> Result<(), CliError> {
-        let Self { records, verdicts, provenance, comparison, .. } = self;
+        let Self { records, verdicts, provenance, comparison, cause, .. } = self;
         let summary = |plan: &ScenePlan| scene_summary(plan.scene(), Some(&plan.subject));
         let summaries: Vec<SceneSummary> = self.plans.iter().map(summary).collect();
-        write_all(out, &summaries, records, verdicts, provenance, comparison.as_ref())?;
+        let compared = comparison.as_ref();
+        write_all(out, &summaries, records, verdicts, provenance, compared, cause.as_ref())?;
         Ok(())
     }
 
     /// The output of --json.
     pub(super) fn document(&self) -> Value {
-        let Self { records, verdicts, provenance, comparison, .. } = self;
-        let mut document = document(provenance, verdicts, records, comparison.as_ref());
+        let Self { records, verdicts, provenance, comparison, cause, .. } = self;
+        let compared = comparison.as_ref();
+        let mut document = document(provenance, verdicts, records, compared, cause.as_ref());
         if !self.references.is_empty() {
             document["references"] = json!(self.references);
         }

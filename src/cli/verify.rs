@@ -11,7 +11,9 @@ use serde_json::json;
 use super::machine::{Allowance, on_interrupt};
 use super::scenes::Grid;
 use super::swept::{Swept, annotate, on_github};
-use super::{CliError, Scenes, TABLE_WIDTH, print_json, print_text, verdict_table, width};
+use super::{
+    CliError, Scenes, TABLE_WIDTH, print_beside, print_json, print_text, verdict_table, width,
+};
 use files::shortened;
 use judge::record::{CaseRecord, Key};
 use judge::verdict::{Failure, failures};
@@ -108,10 +110,10 @@ impl Verify {
         let again = format!("the same command; records of {} are written anew", self.scene);
         on_interrupt(&self.out, &again)?;
         let mut judged = self.judged(plan, out)?;
-        let mut found = None;
         if let Subject::Contact(setup) = &judged.plans[0].subject {
-            found = look_for_cause(&judged.verdicts, setup, judged.plans[0].runs(), &answers);
+            let found = look_for_cause(&judged.verdicts, setup, judged.plans[0].runs(), &answers);
             solver_first(&mut judged.verdicts, setup, found.as_ref());
+            judged.cause = found.map(|found| found.told());
         }
         judged.write(&self.out)?;
         if let Some(path) = &self.junit {
@@ -124,16 +126,16 @@ impl Verify {
         if self.json {
             let mut document = judged.document();
             document["pressures"] = json!(note);
-            document["cause"] = json!(found);
+            document["cause"] = json!(judged.cause);
             if let Some(rows) = &compared {
                 document["beside"] = json!(rows);
             }
             print_json(&document)?;
         } else {
             judged.print();
-            if let Some(found) = &found {
-                let doubt = if found.fits { "" } else { "perhaps " };
-                print_text(&format!("cause: {doubt}{}\n  {}", found.says, found.numbers));
+            if let Some(cause) = &judged.cause {
+                print_beside("cause: ", 0, &cause.in_words());
+                print_beside("  ", 0, &cause.numbers);
             }
             note.iter().for_each(|note| print_text(&format!("note: {note}")));
             self.print_failures(&judged);

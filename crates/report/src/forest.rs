@@ -6,16 +6,16 @@ use super::palette::{COLOURS, Colour, GRID, INK};
 use judge::fit::TOLERANCE;
 use judge::verdict::{Decision, Verdict};
 
-/// Width of a column and height of a row in units: words of 20 units have 7 pt where a column is 86 mm wide, half of a page.
-const COLUMN: f64 = 690.0;
+/// Width of a column and height of a row in units: words of 20 units have 7 pt where a column is 84 mm wide, half of a page.
+const COLUMN: f64 = 680.0;
 const ROW: f64 = 25.0;
 const TEXT: f64 = 20.0;
 /// In a column: end of norms, the axis, start of predictions.
 const NORM: f64 = 408.0;
-const AXIS: (f64, f64) = (422.0, 590.0);
-const PREDICTION: f64 = 614.0;
+const AXIS: (f64, f64) = (418.0, 570.0);
+const PREDICTION: f64 = 590.0;
 /// Lines of a piece: a few pieces fill what a page has left.
-const PIECE: usize = 12;
+pub(super) const PIECE: usize = 12;
 /// Ends of the axis of observed minus predicted order, on which a lost order of one has its place; what exceeds it gets an
 /// arrow, and an interval beyond it the number.
 const RANGE: (f64, f64) = (-1.25, 1.0);

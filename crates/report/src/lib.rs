@@ -41,7 +41,7 @@ use document::{
 use files::{FileError, ListError, make_directory, write_listed};
 use judge::fit::Direction;
 use judge::record::{CaseRecord, RecordError, write_sorted};
-use judge::verdict::{Comparison, DocumentError, Verdict, write_json};
+use judge::verdict::{Cause, Comparison, DocumentError, Verdict, write_json};
 
 /// A scene in a report, beside its results.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -127,6 +127,7 @@ pub fn write_all(
     verdicts: &[Verdict],
     provenance: &serde_json::Value,
     baseline: Option<&Comparison>,
+    cause: Option<&Cause>,
 ) -> Result<(), ReportError> {
     make_directory(dir)?;
     let external = by_verify(provenance);
@@ -146,9 +147,10 @@ pub fn write_all(
         records,
         verdicts,
         provenance,
+        cause,
     });
     write_sorted(&dir.join("cases.csv"), records)?;
-    write_json(&dir.join("verdict.json"), provenance, verdicts, records, baseline)?;
+    write_json(&dir.join("verdict.json"), provenance, verdicts, records, baseline, cause)?;
     let pages = [
         ("index.html", page(&document)),
         ("report.md", markdown(&document)),
@@ -170,7 +172,8 @@ fn forest(scenes: &[Drawn<'_>], verdicts: &[Verdict]) -> Option<Figure> {
         let drawn = scenes.iter().find(|drawn| drawn.scene.name == name);
         drawn.map_or(Group::default(), |drawn| drawn.group)
     });
-    let svg = forest::svg(&forest::columns(&lines, 2))?;
+    let count = if lines.len() > forest::PIECE { 2 } else { 1 };
+    let svg = forest::svg(&forest::columns(&lines, count))?;
     let caption = "Observed minus predicted order, with its 95 % interval, of every norm judged in h or k. Grey: the tolerance of a prediction; \
                    right: the order predicted; filled: pass; orange: not as expected.";
     let piece = |(i, svg)| Figure::new(format!("forest-{i}.svg"), caption, svg);

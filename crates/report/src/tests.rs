@@ -85,7 +85,7 @@ fn a_report_is_whole_and_the_same_twice() {
         "pure--strong----mild-hk.svg",
     ];
     let write = || {
-        write_all(&dir, &scenes, &records, &verdicts, &provenance, None).unwrap();
+        write_all(&dir, &scenes, &records, &verdicts, &provenance, None, None).unwrap();
         write_junit(&dir.join("junit.xml"), &verdicts, &provenance, None).unwrap();
         files.map(|file| fs::read_to_string(dir.join(file)).unwrap())
     };
@@ -235,7 +235,7 @@ fn the_pdf_has_few_pages_a_scene() {
     let records: Vec<CaseRecord> = names.iter().flat_map(|name| example(name)).collect();
     let verdicts: Vec<Verdict> = names.iter().flat_map(|name| verdicts(name, &records)).collect();
     let dir = std::env::temp_dir().join(format!("gronwall-pages-{}", std::process::id()));
-    write_all(&dir, &scenes, &records, &verdicts, &serde_json::json!({}), None).unwrap();
+    write_all(&dir, &scenes, &records, &verdicts, &serde_json::json!({}), None, None).unwrap();
     let pages = document::paged(&dir, None).unwrap().pages().len();
     assert!(pages <= 24 / 4 + 5, "{pages} pages");
     fs::remove_dir_all(&dir).unwrap();
@@ -263,7 +263,7 @@ fn the_pdf_is_the_same_twice() {
     let dir = std::env::temp_dir().join(format!("gronwall-pdf-{}", std::process::id()));
     fs::create_dir_all(&dir).unwrap();
     let provenance = serde_json::json!({"version": "0.1.0"});
-    write_all(&dir, &scenes, &records, &verdicts, &provenance, None).unwrap();
+    write_all(&dir, &scenes, &records, &verdicts, &provenance, None, None).unwrap();
     let set = |date| pdf(&dir, date).unwrap();
     let (once, twice) = (set(Some("2026-01-31")), set(Some("2026-01-31")));
     assert!(once == twice && once.starts_with(b"%PDF-"));

@@ -32,6 +32,28 @@ struct Document<'a> {
     failures: Vec<Failure>,
     #[serde(skip_serializing_if = "Option::is_none")]
     baseline: Option<&'a Comparison>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    cause: Option<&'a Cause>,
+}
+
+/// Why a solver under test is wrong, as its answers show.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Cause {
+    /// In a word.
+    pub cause: String,
+    /// In a sentence.
+    pub says: String,
+    /// What it is concluded from.
+    pub numbers: String,
+    /// Whether the numbers fit it well.
+    pub fits: bool,
+}
+
+impl Cause {
+    /// The sentence, with its doubt.
+    pub fn in_words(&self) -> String {
+        format!("{}{}", if self.fits { "" } else { "perhaps " }, self.says)
+    }
 }
 
 #[derive(Deserialize)]
@@ -51,6 +73,8 @@ struct Written {
     failures: Vec<Failure>,
     #[serde(default)]
     verdicts: Vec<Judged>,
+    #[serde(default)]
+    cause: Option<Cause>,
 }
 
 /// What an earlier `verdict.json` knows beyond the records.
@@ -59,6 +83,7 @@ pub struct Earlier {
     pub failures: Vec<Failure>,
     /// Predicted constants, to judge records again without the scenes' exact solutions.
     pub foreseen: Vec<ForeseenConstant>,
+    pub cause: Option<Cause>,
 }
 
 /// Failed cases, sorted by key.
@@ -78,8 +103,9 @@ pub fn document(
     verdicts: &[Verdict],
     records: &[CaseRecord],
     baseline: Option<&Comparison>,
+    cause: Option<&Cause>,
 ) -> serde_json::Value {
-    let document = Document { provenance, verdicts, failures: failures(records), baseline };
+    let document = Document { provenance, verdicts, failures: failures(records), baseline, cause };
     serde_json::json!(document)
 }
 
@@ -93,8 +119,9 @@ pub fn write_json(
     verdicts: &[Verdict],
     records: &[CaseRecord],
     baseline: Option<&Comparison>,
+    cause: Option<&Cause>,
 ) -> Result<(), DocumentError> {
-    let document = document(provenance, verdicts, records, baseline);
+    let document = document(provenance, verdicts, records, baseline, cause);
     let mut bytes = serde_json::to_vec_pretty(&document)
         .map_err(|source| DocumentError::Json { path: path.to_owned(), source })?;
     bytes.push(b'\n');
@@ -104,12 +131,13 @@ pub fn write_json(
 /// Reads an earlier `verdict.json`, if there is one.
 pub fn read_earlier(path: &Path) -> Result<Earlier, DocumentError> {
     let Some(bytes) = if_there(read_file(path))? else { return Ok(Earlier::default()) };
-    let Written { failures, verdicts } = serde_json::from_slice(&bytes)
+    let Written { failures, verdicts, cause } = serde_json::from_slice(&bytes)
         .map_err(|source| DocumentError::Json { path: path.to_owned(), source })?;
     let with = |Judged { scene, norm, variable, foreseen, other_error }: Judged| {
         foreseen.map(|foreseen| ForeseenConstant { scene, norm, variable, foreseen, other_error })
     };
-    Ok(Earlier { failures, foreseen: verdicts.into_iter().filter_map(with).collect() })
+    let foreseen = verdicts.into_iter().filter_map(with).collect();
+    Ok(Earlier { failures, foreseen, cause })
 }
 
 /// Restores the reasons of failed cases read from `cases.csv`.

@@ -21,7 +21,8 @@ pub use baseline::{
 };
 pub use constants::{Foreseen, ForeseenConstant, LeadingLine, LeadingPoint};
 pub use document::{
-    DocumentError, Earlier, Failure, document, failures, read_earlier, restore_reasons, write_json,
+    Cause, DocumentError, Earlier, Failure, document, failures, read_earlier, restore_reasons,
+    write_json,
 };
 pub use fitted_constant::FittedConstant;
 pub use judge::{judge, judge_foreseen};

@@ -4,11 +4,12 @@ use crate::convergence::norms;
 use crate::document::chapter::{chapters, failures, numbered};
 use crate::document::terminal::{VERDICT_HEADS, outcome};
 use crate::document::{Block, Card, Document, Figure, Run, Section, StudyDocument, Table, Tone};
+use crate::symbols::symbols;
 use crate::{Group, SceneSummary};
 use files::{counted, quoted};
 use judge::fit::{Direction, Point};
 use judge::record::{CaseRecord, Status, V_MAX, is_by_state};
-use judge::verdict::{Decision, JudgedPoint, Verdict, cell_texts, exit_code};
+use judge::verdict::{Cause, Decision, JudgedPoint, Verdict, cell_texts, exit_code};
 use serde_json::Value;
 
 /// A scene with its pictures.
@@ -34,6 +35,8 @@ pub(crate) struct Report<'a> {
     pub(crate) records: &'a [CaseRecord],
     pub(crate) verdicts: &'a [Verdict],
     pub(crate) provenance: &'a Value,
+    /// Why a solver under test is wrong.
+    pub(crate) cause: Option<&'a Cause>,
 }
 
 pub(crate) fn document(report: Report<'_>) -> Document {
@@ -106,6 +109,7 @@ pub(crate) fn by_verify(provenance: &Value) -> bool {
 pub(super) fn verdict_row(verdict: &Verdict, target: Option<String>) -> Vec<Run> {
     let mut row = cell_texts(verdict).map(Run::plain);
     row[5].tone = tone(verdict);
+    row[6].text = symbols(&row[6].text);
     (row[0].target, row[5].target) = (target.clone(), target);
     row.into()
 }
@@ -191,16 +195,29 @@ const CLAIMS: [&str; 3] = ["(5.26)", "Theorem 7", "(5.24)"];
 fn first_answers(section: &mut Section, report: &Report<'_>) {
     let verdicts = report.verdicts;
     section.text(by_claim(verdicts, by_verify(report.provenance)));
+    if let Some(cause) = report.cause {
+        section.text(vec![
+            Run::of("What is wrong? ", Tone::Strong),
+            Run::of(cause.in_words(), Tone::Miss),
+            Run::plain(format!(". {}.", cause.numbers)),
+        ]);
+    }
+    if let Some((runs, next)) = failed(verdicts, |scene| report.link(scene)) {
+        let next = next.filter(|_| !by_verify(report.provenance));
+        section.text(runs.into_iter().chain(next).collect());
+    }
     if let Some(verdict) = least_certain(verdicts) {
         section.text(closest(verdict, report.link(&verdict.scene)));
     }
     broken(section, report);
 }
 
-/// The first two answers, on the estimates, in a line each.
+/// The first answers, on the estimates, in a line each.
 pub fn answers(verdicts: &[Verdict]) -> Vec<String> {
     let least = least_certain(verdicts).map(|verdict| closest(verdict, None));
-    let lines = [Some(by_claim(verdicts, false)), least];
+    let failed = failed(verdicts, |_| None);
+    let failed = failed.map(|(runs, next)| runs.into_iter().chain(next).collect());
+    let lines = [Some(by_claim(verdicts, false)), failed, least];
     let text = |runs: Vec<Run>| runs.iter().map(|run| run.text.as_str()).collect();
     lines.into_iter().flatten().map(text).collect()
 }
@@ -234,8 +251,32 @@ fn by_claim(verdicts: &[Verdict], of_a_solver: bool) -> Vec<Run> {
     by_claim
 }
 
+/// The first verdict that is not as expected, with its reason, and the number of others; and of a failed scene of this
+/// program what finds the term at fault.
+fn failed(
+    verdicts: &[Verdict],
+    link: impl Fn(&str) -> Option<String>,
+) -> Option<(Vec<Run>, Option<Run>)> {
+    let mut wrong = verdicts.iter().filter(|verdict| !verdict.as_expected());
+    let (first, others) = (wrong.next()?, wrong.count());
+    let mut runs = vec![
+        Run::of("What is not as expected? ", Tone::Strong),
+        Run { target: link(&first.scene), ..Run::plain(first.scene.clone()) },
+        Run::plain(", "),
+    ];
+    runs.extend(sentence(first));
+    runs.extend((others > 0).then(|| Run::plain(format!(" So are {others} more."))));
+    let diagnose = || Run::plain(format!(" Next: sweep diagnose {}.", quoted(&first.scene)));
+    let next = (first.decision == Decision::Fail).then(diagnose);
+    Some((runs, next))
+}
+
+/// Certain by a convention: the probability of a miss is that of one interval in twenty.
+const CERTAIN: f64 = 0.95;
+
 /// The verdict closest to being another one: the prediction holds with little more than needed for a pass, or misses it
-/// by little. An unresolved one is closest. A scene that fails because it was built to is no warning.
+/// by little. An unresolved one is closest. A scene that fails because it was built to is no warning, and a certain failure
+/// is no doubt.
 fn least_certain(verdicts: &[Verdict]) -> Option<&Verdict> {
     let by_constant = |verdict: &Verdict| verdict.constant.as_ref().is_some_and(|c| c.decides);
     let certainty = |verdict: &Verdict| match (verdict.decision, verdict.probability) {
@@ -246,8 +287,11 @@ fn least_certain(verdicts: &[Verdict]) -> Option<&Verdict> {
         (Decision::Pass | Decision::Fail, None) => 1.0,
         (Decision::Unresolved, _) => 0.0,
     };
-    let meant = |verdict: &&Verdict| verdict.decision == Decision::Pass || !verdict.as_expected();
-    verdicts.iter().filter(meant).min_by(|a, b| certainty(a).total_cmp(&certainty(b)))
+    let in_doubt = |verdict: &&Verdict| match verdict.decision {
+        Decision::Pass => true,
+        _ => !verdict.as_expected() && certainty(verdict) < CERTAIN,
+    };
+    verdicts.iter().filter(in_doubt).min_by(|a, b| certainty(a).total_cmp(&certainty(b)))
 }
 
 /// A verdict with its numbers, linked to its scene.
@@ -327,7 +371,11 @@ pub(super) fn sentence(verdict: &Verdict) -> Vec<Run> {
     vec![
         Run::of(format!("{norm} in {variable}: "), Tone::Strong),
         Run::of(decision, tone(verdict)),
-        Run::plain(format!(", {} for {predicted} by {why}", observed.replace('\n', "; "))),
+        Run::plain(format!(
+            ", {} for {predicted} by {}",
+            observed.replace('\n', "; "),
+            symbols(&why)
+        )),
         Run::plain(format!("; {}.", verdict.reason.trim_end_matches('.'))),
     ]
 }
@@ -488,5 +536,12 @@ mod tests {
         verdicts.push(verdict("open", Pass, Unresolved, 0.9));
         assert_eq!(least(&verdicts).as_deref(), Some("open"));
         assert_eq!(least(&verdicts[..1]), None);
+        // A certain failure is no doubt; what failed is said instead, and that nothing is certain of an open one.
+        let sure = [verdicts[3].clone(), verdict("other", Pass, Fail, 0.001)];
+        assert_eq!(least(&sure), None);
+        let said = answers(&sure).join("\n");
+        assert!(said.contains("not as expected? defect, V_max in h: fail"), "{said}");
+        assert!(said.contains("1 more") && !said.contains("least certain"), "{said}");
+        assert!(!answers(&verdicts[..3]).join("\n").contains("not as expected"));
     }
 }

@@ -41,6 +41,15 @@ pub struct Found {
     pub fits: bool,
 }
 
+impl Found {
+    /// As verdicts are written with it.
+    pub fn told(&self) -> judge::verdict::Cause {
+        let Self { cause, says, numbers, fits } = self.clone();
+        let cause = serde_json::json!(cause).as_str().unwrap_or_default().to_owned();
+        judge::verdict::Cause { cause, says, numbers, fits }
+    }
+}
+
 /// The answer of a solver to a case, and what it leaves.
 pub(super) struct Left<'a> {
     pub(super) setup: &'a Setup,

@@ -422,7 +422,8 @@ fn a_constant_that_is_off_fails_whatever_the_order() {
     assert!(off.reason.contains("C_k is 1.2500 times the predicted one"), "{}", off.reason);
     assert_eq!((off.constants["C_k"].ratio, off.contradicted_by), (Some(1.25), None));
     let path = std::env::temp_dir().join(format!("gronwall-foreseen-{}.json", std::process::id()));
-    write_json(&path, &serde_json::json!({}), std::slice::from_ref(&off), &records, None).unwrap();
+    write_json(&path, &serde_json::json!({}), std::slice::from_ref(&off), &records, None, None)
+        .unwrap();
     let known = read_earlier(&path).unwrap().foreseen;
     std::fs::remove_file(&path).unwrap();
     let expected = ForeseenConstant {
@@ -539,7 +540,7 @@ fn the_document_has_its_keys_and_no_infinite_number() {
     let passed = verdict(&records, &predict(Variable::H, 1.0));
     records[1].status = Status::Failed { reason: "no descent".into() };
     let path = std::env::temp_dir().join(format!("gronwall-verdict-{}.json", std::process::id()));
-    write_json(&path, &serde_json::json!({"seed": 1}), &[passed], &records, None).unwrap();
+    write_json(&path, &serde_json::json!({"seed": 1}), &[passed], &records, None, None).unwrap();
     let text = std::fs::read_to_string(&path).unwrap();
     let json: serde_json::Value = serde_json::from_str(&text).unwrap();
     let entry = &json["verdicts"][0];

@@ -87,6 +87,7 @@ fn composed(studies: &[StudyDocument], change: impl Fn(&mut SceneSummary)) -> Do
         records: &records,
         verdicts: &[verdict(&records)],
         provenance: &json!({ "scenes": { "s": "now" } }),
+        cause: None,
     })
 }
 
