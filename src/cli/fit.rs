@@ -3,6 +3,7 @@
 mod eoc;
 mod parts;
 
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
 
@@ -14,9 +15,12 @@ use super::{CliError, print_json, print_text};
 use clap::Args;
 use files::{FileError, read_at_most, up_to, write_named};
 use judge::fit::{Claim, Direction, Known, Point, TOLERANCE, deviation, path};
+use judge::record::V_TIME_MAX;
 use judge::table::{Group, Quantity, Reading, Row, Tables, named, read};
 use judge::verdict::{Decision, Prediction, Variable, Verdict};
 use report::{AnnotationPlace, write_junit};
+use run::sweep::Provenance;
+use scene::{Data, Scene};
 use serde_json::{Value, json};
 
 /// `sweep fit`.
@@ -126,6 +130,7 @@ impl Fit {
         let claim = claim.checked()?;
         let left_out = self.window.map(|window| window.narrow(&mut tables)).unwrap_or_default();
         let [p, q] = &claims;
+        let exact = self.exact_scenes(&tables);
         for claims in claims.iter().flatten() {
             let all = tables.groups.iter().filter_map(|group| claims.of(group, claim));
             all.map(Claim::checked).collect::<Result<Vec<_>, _>>()?;
@@ -139,7 +144,11 @@ impl Fit {
                 claim: p.unwrap_or(claim),
                 in_time: q.unwrap_or(claim),
                 noise: self.noise,
-                reference: self.reference,
+                reference: self.reference.or_else(|| {
+                    let is_exact = |group: &Group| group.norm.as_deref() == Some(V_TIME_MAX);
+                    let scene = group.scene.as_ref().filter(|scene| exact.contains_key(*scene))?;
+                    (exact[scene] || is_exact(group)).then_some(0.0)
+                }),
             }
         };
         let found = judged(&self.name(), &tables, asked, &left_out)?;
@@ -207,6 +216,22 @@ impl Fit {
             errors: names.map(str::to_owned).collect(),
         };
         tables(&self.name(), &bytes?, &reading)
+    }
+
+    /// Whether the solution is known, of the scenes whose records these are: of a table of cases beside the texts of its
+    /// scenes, which its errors were judged by as well.
+    fn exact_scenes(&self, tables: &Tables) -> BTreeMap<String, bool> {
+        let dir = self.file.parent().filter(|_| self.file.ends_with("cases.csv"));
+        let known = dir.and_then(|dir| Some((dir, Provenance::read(dir).ok()??)));
+        let Some((dir, known)) = known else { return BTreeMap::new() };
+        let names = tables.groups.iter().filter_map(|group| group.scene.as_deref());
+        let scene = |name: &str| known.scene(dir, name).ok().flatten();
+        let is_exact = |scene: &Scene| {
+            let data = scene.as_contact().map(|body| &body.data);
+            !matches!(data, Some(Data::Loads { .. }))
+        };
+        let known = |name: &str| Some((name.to_owned(), is_exact(&scene(name)?)));
+        names.filter_map(known).collect()
     }
 
     /// What is said of errors is no word about values.

@@ -760,3 +760,24 @@ fn github_is_told_of_tables_and_verdicts() {
     let text = std::fs::read_to_string(&summary).expect("a summary");
     assert!(text.contains(count) && !text.contains("case"), "{text}");
 }
+
+/// Records are judged as `run` judged them: their errors are those against an exact solution, which a foreign table does
+/// not say.
+#[test]
+fn records_have_the_interval_of_their_run() {
+    let folder = Folder::new("fit-records");
+    let (out, grid) = (folder.argument("out"), ["--n", "4", "--steps", "4,8,16,32"]);
+    assert_eq!(code(&sweep(&[&["run", "affine", "--out", &out][..], &grid].concat())), 0);
+    let judged = std::fs::read_to_string(folder.at("out/verdict.json")).expect("verdicts");
+    let judged: Value = serde_json::from_str(&judged).expect("JSON");
+    let interval = |path: &str| {
+        let rows = json(&sweep(&["fit", path, "--q", "V_max=2", "--json"]));
+        let rows = rows.as_array().expect("rows").clone();
+        let of = |row: &&Value| row["norm"] == V_MAX && row["variable"] == "k";
+        rows.iter().find(of).expect("a row")["interval"].clone()
+    };
+    assert_eq!(interval(&folder.argument("out/cases.csv")), judged["verdicts"][0]["interval"]);
+    let text = std::fs::read_to_string(folder.at("out/cases.csv")).expect("a table");
+    let foreign = folder.file("foreign.csv", &text);
+    assert_ne!(interval(&foreign), judged["verdicts"][0]["interval"]);
+}
