@@ -41,29 +41,29 @@ pub(super) enum Command {
     Run(run::Run),
     /// Run sweeps for CI: verdicts only
     Gate(run::Gate),
-    /// Record errors and work of the scenes in reports/baseline.json, and say what changes
+    /// Record errors and work in reports/baseline.json, say what changes
     Baseline(merge::BaselineCommand),
     /// List the scenes with their terms and predicted orders
     List(list::List),
-    /// Check the data and hypotheses of a scene and predict its memory, without solving
+    /// Check a scene's data and hypotheses, and predict its memory
     Check(check::Check),
-    /// Find the term at fault by running the scene again with one term removed at a time
+    /// Find the term at fault by removing one term at a time
     Diagnose(study::DiagnoseCommand),
     /// Solve one case and print named quantities
     Solve(solve::Solve),
     #[command(flatten)]
     Study(study::StudyCommand),
-    /// Test extreme parameters: units, moduli, steps, meshes, gaps, loads
+    /// Test extremes of units, moduli, steps, meshes, gaps, loads
     Extremes(study::Extremes),
-    /// Measure time against error over the settings of a scene, and find the cheapest n and N
+    /// Measure time against error, and find the cheapest n and N
     Trade(study::TradeCommand),
     /// Judge the orders of errors in any table
     Fit(fit::Fit),
     /// Test another program's solver with the same sweep
     Verify(verify::Verify),
-    /// Merge the records of many processes and judge them like those of a single run
+    /// Merge the records of many processes and judge them as one run
     Merge(merge::MergeCommand),
-    /// Rebuild every output from the records in a directory, without solving
+    /// Rebuild all output from a directory's records, without solving
     Report(report::Report),
     /// Print completions for a shell
     Completions(Completions),

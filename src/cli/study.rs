@@ -39,21 +39,21 @@ pub(crate) enum StudyCommand {
         mut_arg("steps", |steps| list(steps, 1..=100_000, "Numbers N of time steps, k = T/N, in place of the scene's list")),
     )]
     Audit(StudyArguments),
-    /// Step-size bound (3.4) in four numbers: paper, sharpened, measured, loss of solvability
+    /// Step-size bound (3.4): paper, sharpened, measured, solvability
     #[command(
         after_help = "Every inequality is a claim: measured factors <= sharpened <= (3.15) at each step size of a ladder, thresholds in their order, samples of the law <= what it declares. A step has lost its solution where Newton's method finds none from the solution at the largest smaller k, that of the run and random states, or only one whose tangent is singular or beyond: bisected in k. Exit code 1: a claim does not hold.\n\nKeys of --json: docs/JSON.md.\n\nFiles with --out: SCENE-bound.json, SCENE-bound-claims.csv, SCENE-bound.svg.",
         mut_arg("n", |n| one(n, 2..=128, "Cells per unit length of the mesh on which the factors are measured, h = 1/n [default: 16]")),
         mut_arg("steps", |steps| one(steps, 1..=100_000, "Number N of time steps of the run whose worst level is studied [default: the scene's smallest]")),
     )]
     Bound(StudyArguments),
-    /// Evaluate Gronwall's inequality on runs: truncation errors, envelopes, perturbations
+    /// Gronwall's inequality on runs: envelopes and perturbations
     #[command(
         after_help = "Effectivity = bound / measured error. The chain e <= weighted envelope <= primed envelope <= closed form, primed <= printed envelope <= its closed form is claimed at every n of every run. So is that the difference of two solutions under perturbed loads stays below its recurrence. Exit code 1: a claim fails; it is named with the first n at which it does.\n\nKeys of --json: docs/JSON.md.\n\nFiles with --out: SCENE-gronwall.json, SCENE-gronwall-claims.csv, SCENE-gronwall.csv (every level of every run), SCENE-gronwall-envelope.svg.",
         mut_arg("n", |n| one(n, 1..=4096, "Cells per unit length, h = 1/n; abstract scenes have none [default: the first of the scene's list]")),
         mut_arg("steps", |steps| list(steps, 1..=100_000, "Numbers N of time steps, k = T/N [default: the scene's list up to 1024]")),
     )]
     Gronwall(StudyArguments),
-    /// Compare the estimate of solve --estimate and the guaranteed bound with true errors
+    /// Compare error estimate and guaranteed bound with true errors
     #[command(
         after_help = "Each run of a ladder in h (in k where the scene predicts no order of V_max in h) is estimated from its companions and, where the theorem of the bound covers the scene, bounded. Claims: the bound is not below the error, the interval of the estimate holds it, and no quotient of the two and the error grows under refinement: its order in the step is at least 0, as the judge decides. Exit code 1: a claim fails or is unresolved. Exit code 2: no exact solution, or no three runs.\n\nKeys of --json: docs/JSON.md.\n\nFiles with --out: SCENE-estimators.json, SCENE-estimators-claims.csv, SCENE-estimators.svg.",
         mut_arg("n", |n| list(n, 4..=512, "Cells per unit length, multiples of 4 [default: those of the scene's list up to 64]")),

@@ -6,7 +6,7 @@
 use std::collections::BTreeSet;
 use std::process::Output;
 
-use crate::program::{Folder, code, json, stderr, stdout, sweep};
+use crate::program::{Folder, code, command, json, stderr, stdout, sweep};
 use crate::shipped::{edited, text};
 use serde_json::Value;
 
@@ -433,6 +433,24 @@ fn the_help_says_what_the_main_job_is() {
             && run.contains("[default: number of processors]")
     );
     assert!(run.contains("not marked long"), "{run}");
+}
+
+/// A terminal has lines of its width; in a pipe a finding is one line, which `grep` shows whole.
+#[test]
+fn lines_fit_the_terminal() {
+    let longest = |text: &str| text.lines().map(|line| line.chars().count()).max().unwrap_or(0);
+    for arguments in [&["check", "punch"][..], &["check", "abstract-contact"], &["--help"]] {
+        for width in [80, 100, 140] {
+            let mut shown = command(arguments);
+            let output = shown.env("COLUMNS", width.to_string()).output().expect("the binary runs");
+            let text = stdout(&output);
+            assert!(longest(&text) <= width, "{arguments:?} {width}:\n{text}");
+        }
+    }
+    let mut piped = command(&["check", "punch"]);
+    let text = stdout(&piped.env_remove("COLUMNS").output().expect("the binary runs"));
+    let algorithm = text.lines().find(|line| line.starts_with("algorithm ")).expect("a line");
+    assert!(algorithm.ends_with("have cost a new one") && longest(&text) > 140, "{text}");
 }
 
 #[test]

@@ -461,9 +461,9 @@ impl BoundStudy {
         let mut chart = Chart::new(&self.scene, &question, x, y);
         let rungs = &self.study.rungs;
         let of = |of: fn(&StepRung) -> f64| rungs.iter().map(|rung| (rung.k, of(rung))).collect();
-        let (line, points) = (Part::Line(of(|rung| rung.norm)), Part::Points(of(|rung| rung.norm)));
+        // Some coincide: points are seen on a line, and a broken line is seen on a whole one.
         chart.series = vec![
-            Series::new("measured: ‖DΛ‖, worst direction", vec![line, points]),
+            Series::new("measured: ‖DΛ‖, worst direction", vec![Part::Points(of(|at| at.norm))]),
             Series::new("measured: spectral radius of DΛ", vec![Part::Line(of(|at| at.radius))]),
             Series::new("sharpened bound", vec![Part::Dashed(of(|rung| rung.sharpened))]),
             Series::new("(3.15), operator norm", vec![Part::Dotted(of(|rung| rung.theorem))]),
