@@ -14,6 +14,7 @@ mod equations;
 mod estimates;
 mod estimators_command;
 mod external;
+mod figures;
 mod fit_tables;
 mod gronwall_command;
 mod house;

@@ -17,7 +17,7 @@ use super::sheet::WORDS;
 use super::symbols::{escaped, scripts};
 
 /// Scripts are this much smaller, and this much lower or higher.
-const SMALLER: f64 = 0.72;
+pub(super) const SMALLER: f64 = 0.72;
 const APART: f64 = 0.3;
 
 /// The width of curves, which a picture states once.

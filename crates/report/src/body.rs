@@ -1,7 +1,10 @@
 //! A deformed plane body: stress by shade, yielding cells, pressure on Γ3 as arrows.
 
-use crate::canvas::{Anchor, Canvas, CanvasPoint, DASHES, LINE, View, corners as corners_of, span};
-use crate::chart::Frame;
+use crate::canvas::{
+    Anchor, Canvas, CanvasPoint, DASHES, EDGE, LINE, TEXT, View, WIDTH, corners as corners_of,
+    heading, span,
+};
+use crate::chart::{Frame, beside_axis};
 use crate::digits;
 use crate::palette::{Colour, INK, colour, mixed};
 use crate::ruler::{Room, Ruler, Scale};
@@ -40,14 +43,14 @@ pub struct Arrow {
     pub pressure: f64,
 }
 
-/// Area of the body: left, top, right, bottom.
-const ROOM: [f64; 4] = [150.0, 160.0, 1230.0, 1030.0];
+/// Height of the body with its arrows.
+const TALL: f64 = 760.0;
 /// Longest arrow.
 const ARROW: f64 = 95.0;
-/// Left end of the legend.
-const LEGEND: f64 = 1310.0;
-/// Height of its entry on yielding cells.
-const YIELDING: f64 = 640.0;
+/// The legend below: its second column, the width of a sample with the distance to its words, and the colour bar.
+const SECOND: f64 = 520.0;
+const SAMPLE: f64 = 76.0;
+const BAR: f64 = 360.0;
 /// Steps of the colour bar.
 const SHADES: usize = 24;
 
@@ -66,10 +69,13 @@ impl Deformed {
     pub fn svg(&self) -> Option<String> {
         let corners = self.cells.iter().flat_map(|cell| cell.corners);
         let rest = self.rest.iter().flatten().copied();
-        let [left, top, right, bottom] = ROOM;
-        let view = View::of(corners.chain(rest), [left, top, right, bottom - ARROW], false)?;
+        let said = heading(&self.subtitle);
+        let top = LINE * (2.0 + said.len() as f64);
+        let room = [4.0 * EDGE, top, WIDTH - 4.0 * EDGE, top + TALL - ARROW];
+        let view = View::of(corners.chain(rest), room)?;
+        let below = top + TALL + LINE;
         let mut canvas = Canvas::new();
-        canvas.heading(&self.title, std::slice::from_ref(&self.subtitle));
+        canvas.heading(&self.title, &said);
         let stresses = self.cells.iter().map(|cell| cell.stress);
         let most = stresses.fold(0.0, f64::max);
         let part = |stress: f64| if most > 0.0 { stress / most } else { 0.0 };
@@ -87,7 +93,7 @@ impl Deformed {
         }
         if self.yielding() > 0 && self.hatched().count() > 0 {
             let areas = self.hatched().map(|cell| cell.corners.map(|corner| view.place(corner)));
-            let swatch = corners_of([LEGEND, YIELDING - 18.0, LEGEND + 60.0, YIELDING + 18.0]);
+            let swatch = corners_of([SECOND, below - 18.0, SECOND + 60.0, below + 18.0]);
             canvas.hatch(areas.map(Vec::from).chain([swatch.into()]), colour(1));
         }
         for &[a, b] in &self.yield_border {
@@ -98,8 +104,8 @@ impl Deformed {
             let length = ARROW * one.pressure / largest;
             arrow(&mut canvas, view.place(one.foot), one.direction, length);
         }
-        self.legend(&mut canvas, most, largest);
-        Some(canvas.finish())
+        self.legend(&mut canvas, below, [most, largest]);
+        Some(canvas.finish_at(below + 4.0 * LINE))
     }
 
     fn yielding(&self) -> usize {
@@ -112,20 +118,22 @@ impl Deformed {
         self.cells.iter().filter(move |cell| cell.yields == which)
     }
 
-    fn legend(&self, canvas: &mut Canvas, most: f64, largest: f64) {
-        let words = |canvas: &mut Canvas, words: &str, y: f64| {
-            canvas.text(words, (LEGEND + 76.0, y), Anchor::Left);
-        };
-        canvas.text(&self.quantity, (LEGEND, 175.0), Anchor::Left);
-        let (top, height) = (230.0, 330.0 / SHADES as f64);
+    fn legend(&self, canvas: &mut Canvas, top: f64, [most, largest]: [f64; 2]) {
+        let shades = BAR / SHADES as f64;
         for i in 0..SHADES {
-            let y = top + height * (SHADES - 1 - i) as f64;
-            let sides = [LEGEND, y, LEGEND + 60.0, y + height];
+            let x = EDGE + shades * i as f64;
+            let sides = [x, top + LINE - 18.0, x + shades, top + LINE + 18.0];
             canvas.fill_box(sides, shade((i as f64 + 0.5) / SHADES as f64), 1.0);
         }
-        words(canvas, &digits(most, 4), top);
-        words(canvas, "0", top + 330.0);
-        let mut y = YIELDING;
+        let (below, last) = (top + 2.0 * LINE, top + 3.2 * LINE);
+        canvas.text(&self.quantity, (EDGE, top), Anchor::Left);
+        canvas.text("0", (EDGE, below), Anchor::Left);
+        canvas.text(&digits(most, 4), (EDGE + BAR, below), Anchor::Right);
+        let words = |canvas: &mut Canvas, words: &str, x: f64, y: f64| {
+            canvas.text(words, (x + SAMPLE, y), Anchor::Left);
+        };
+        canvas.dashed(&[(EDGE, last), (EDGE + 60.0, last)], INK, DASHES);
+        words(canvas, "body at rest", EDGE, last);
         let (all, yielding) = (self.cells.len(), self.yielding());
         if yielding > 0 {
             let hatched = match self.hatched().count() {
@@ -133,19 +141,15 @@ impl Deformed {
                 count if count == yielding => "yielding:",
                 _ => "elastic; yielding:",
             };
-            words(canvas, hatched, y);
+            words(canvas, hatched, SECOND, top);
             if yielding < all {
-                words(canvas, &format!("{yielding} of {all} cells"), y + LINE);
+                words(canvas, &format!("{yielding} of {all} cells"), SECOND, top + LINE);
             }
-            y += 2.0 * LINE + 16.0;
         }
-        canvas.dashed(&[(LEGEND, y), (LEGEND + 60.0, y)], INK, DASHES);
-        words(canvas, "body at rest", y);
         if largest > 0.0 {
-            y += 60.0;
-            arrow(canvas, (LEGEND, y), (-1.0, 0.0), 60.0);
-            words(canvas, "pressure ξ+λ on Γ3,", y);
-            words(canvas, &format!("at most {}", digits(largest, 4)), y + LINE);
+            arrow(canvas, (SECOND, last), (-1.0, 0.0), 60.0);
+            let most = format!("pressure ξ+λ ≤ {}", digits(largest, 4));
+            words(canvas, &most, SECOND, last);
         }
     }
 }
@@ -164,16 +168,14 @@ fn arrow(canvas: &mut Canvas, foot: CanvasPoint, (dx, dy): (f64, f64), length: f
     canvas.fill(&[foot, side(1.0), side(-1.0)], colour(0), 1.0);
 }
 
-// A small picture of a domain or a few curves, readable at 240 pixels.
+// A small picture of a domain, readable at 240 pixels.
 
 /// Size in units, two per pixel.
 const SKETCH: (u32, u32) = (480, 404);
 /// Text height: 11 pixels.
-const TEXT: f64 = 22.0;
+const SKETCH_TEXT: f64 = 22.0;
 /// Drawing area: left, top, right, bottom. The legend is below.
 const SKETCHED: [f64; 4] = [24.0, 16.0, 456.0, 292.0];
-/// Start of words at the left margin.
-const MARGIN: f64 = 1.0;
 /// Legend: entries per line, height of the first line, line spacing.
 const ENTRIES: usize = 2;
 const FIRST_LINE: f64 = 322.0;
@@ -199,8 +201,6 @@ pub enum Ink {
     Region,
     /// Lines of the mesh, hidden edges, axes.
     Thin,
-    /// The i-th curve.
-    Curve(usize),
 }
 
 /// Corners, y upwards, with ink and opacity.
@@ -221,18 +221,14 @@ pub struct Sketch {
     pub areas: Vec<Area>,
     /// Lines, the first below the others.
     pub strokes: Vec<Stroke>,
-    /// Words at the left margin, at the heights of these points.
-    pub words: Vec<((f64, f64), String)>,
     /// Lines with their words.
     pub legend: Vec<(Ink, String)>,
-    /// Scales each axis to its room, for curves; otherwise both are equal.
-    pub stretched: bool,
 }
 
 impl Sketch {
     /// Renders the picture as SVG.
     pub fn svg(&self) -> String {
-        let mut canvas = Canvas::of_size(SKETCH, TEXT);
+        let mut canvas = Canvas::of_size(SKETCH, SKETCH_TEXT);
         let view = self.view();
         let path = |points: &[_]| points.iter().map(|&p| view.place(p)).collect::<Vec<_>>();
         for (corners, ink, opacity) in &self.areas {
@@ -240,9 +236,6 @@ impl Sketch {
         }
         for stroke in &self.strokes {
             draw(&mut canvas, stroke.ink, &path(&stroke.path));
-        }
-        for (place, words) in &self.words {
-            canvas.text(words, (MARGIN, view.place(*place).1), Anchor::Left);
         }
         let column = (SKETCHED[2] - SKETCHED[0]) / ENTRIES as f64;
         for (i, (ink, words)) in self.legend.iter().enumerate() {
@@ -257,9 +250,7 @@ impl Sketch {
     fn view(&self) -> View {
         let strokes = self.strokes.iter().flat_map(|stroke| &stroke.path);
         let areas = self.areas.iter().flat_map(|(corners, ..)| corners);
-        let words = self.words.iter().map(|(place, _)| place);
-        let all = strokes.chain(areas).chain(words).copied();
-        View::of(all, SKETCHED, self.stretched).unwrap_or_default()
+        View::of(strokes.chain(areas).copied(), SKETCHED).unwrap_or_default()
     }
 }
 
@@ -275,7 +266,6 @@ fn look(ink: Ink) -> (Colour, u32, Option<(f64, f64)>) {
         Ink::Edge => (INK, 3, None),
         Ink::Region => (Colour(170, 170, 170), 18, None),
         Ink::Thin => (THIN, 1, None),
-        Ink::Curve(i) => (colour(i), 4, None),
     }
 }
 
@@ -332,16 +322,11 @@ pub struct SpaceTime {
     pub panels: Vec<Panel>,
 }
 
-const LEFT: f64 = 170.0;
-const RIGHT: f64 = 1770.0;
 /// Overlap of neighbouring boxes.
 const SEAM: f64 = 1.0;
-const GUTTER: f64 = 190.0;
-const TOP: f64 = 190.0;
-const BOTTOM: f64 = 910.0;
-const ZONES: f64 = 1070.0;
-/// Widest single panel.
-const WIDEST: f64 = 1000.0;
+/// Height of a panel, and the widest single one.
+const PANEL: f64 = 480.0;
+const WIDEST: f64 = 800.0;
 
 const COMPLIANT: Colour = Colour(134, 190, 226);
 const LOCKED: Colour = Colour(20, 74, 122);
@@ -364,21 +349,26 @@ impl SpaceTime {
         let ends: Vec<f64> = pieces().flat_map(|piece| [piece.0, piece.1]).collect();
         let times: Vec<f64> = self.panels.iter().flat_map(|p| &p.times).copied().collect();
         let count = self.panels.len().max(1) as f64;
-        let width = ((RIGHT - LEFT - (count - 1.0) * GUTTER) / count).min(WIDEST);
+        let up = Room { length: PANEL, label: 90.0 };
+        let ruler = || Ruler::new(Scale::Linear, &times, &[], up);
+        // The name of an axis and its labels are left of each panel.
+        let beside = 1.5 * TEXT + beside_axis(&ruler()?, TEXT);
+        let width = ((WIDTH - EDGE) / count - EDGE - beside).min(WIDEST);
         let across = Room { length: width, label: 110.0 };
-        let up = Room { length: BOTTOM - TOP, label: 90.0 };
+        let said = heading(&self.subtitle);
+        let top = LINE * (3.2 + said.len() as f64);
         let mut canvas = Canvas::new();
-        canvas.heading(&self.title, std::slice::from_ref(&self.subtitle));
+        canvas.heading(&self.title, &said);
         for (i, panel) in self.panels.iter().enumerate() {
-            let left = LEFT + i as f64 * (width + GUTTER);
+            let left = beside + i as f64 * (width + beside + EDGE);
             let x = Ruler::new(Scale::Linear, &ends, &[], across)?;
-            let y = Ruler::new(Scale::Linear, &times, &[], up)?;
-            let room = [left, TOP, left + width, BOTTOM];
-            draw_panel(&mut canvas, panel, &Frame { x, y, room, unit: 1.0 });
+            let room = [left, top, left + width, top + PANEL];
+            draw_panel(&mut canvas, panel, &Frame { x, y: ruler()?, room, text: TEXT });
         }
         let zones = [Zone::Open, Zone::Compliant, Zone::Locked].map(Zone::shown);
-        canvas.swatches((LEFT, ZONES), zones.map(|(colour, words)| ((colour, false), words)));
-        (!ends.is_empty()).then(|| canvas.finish())
+        let zones = zones.map(|(colour, words)| ((colour, false), words));
+        let end = canvas.swatches((EDGE, top + PANEL + 3.6 * LINE), &zones);
+        (!ends.is_empty()).then(|| canvas.finish_at(end))
     }
 }
 
@@ -483,17 +473,11 @@ mod tests {
         }
 
         #[test]
-        fn lengths_keep_their_ratio_unless_axes_are_stretched() {
-            let (plain, stretched) = (square(), Sketch { stretched: true, ..square() });
-            let extent = |sketch: &Sketch| {
-                let view = sketch.view();
-                let (a, b) = (view.place((0.0, 0.0)), view.place((2.0, 1.0)));
-                ((b.0 - a.0) / (a.1 - b.1), a, b)
-            };
-            assert!((extent(&plain).0 - 2.0).abs() < 1e-12);
-            let (_, a, b) = extent(&stretched);
-            let [left, top, ..] = SKETCHED;
-            assert!((a.0 - left).abs() + (b.1 - top).abs() < 1e-9);
+        fn lengths_keep_their_ratio() {
+            let plain = square();
+            let view = plain.view();
+            let (a, b) = (view.place((0.0, 0.0)), view.place((2.0, 1.0)));
+            assert!(((b.0 - a.0) / (a.1 - b.1) - 2.0).abs() < 1e-12);
             // Hatches mark what is clamped, dashes what is moved.
             let svg = plain.svg();
             assert!(svg.matches('M').count() > 20 && svg.contains("contact"), "{svg}");

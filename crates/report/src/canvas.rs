@@ -1,4 +1,6 @@
-//! Strokes, markers and words of an SVG, in units of 1/1800 of its width.
+//! Strokes, markers and words of an SVG.
+
+use std::f64::consts::TAU;
 
 use plotters::coord::Shift;
 use plotters::element::{Drawable, PathElement, PointCollection, Polygon};
@@ -6,14 +8,19 @@ use plotters::prelude::{DrawingArea, IntoDrawingArea, IntoFont, Text};
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 use plotters::style::{Color, FontStyle, FontTransform, TextStyle};
 
-use super::backend::{Elements, LINE_WIDTH, moves};
+use super::backend::{Elements, LINE_WIDTH, SMALLER, moves};
 use super::palette::{Colour, INK};
 use super::sheet::{PAPER, WORDS, WORDS_ON_TINT, style};
+use super::symbols::scripts;
 
-pub(super) const SIZE: (u32, u32) = (1800, 1120);
+/// Width of a picture in units.
+pub(super) const WIDTH: f64 = 1100.0;
 
-/// Text height: 33 of 1800 units are 8.3 pt at a picture width of 16 cm.
+/// Text height: 33 of 1100 units are 7.1 pt where a picture is 84 mm wide, a column of a paper.
 pub(super) const TEXT: f64 = 33.0;
+
+/// Words that viewers show unscaled are at most so many pixels tall.
+const TALLEST: f64 = 22.0;
 
 /// Line spacing of a large picture.
 pub(super) const LINE: f64 = 44.0;
@@ -21,8 +28,11 @@ pub(super) const LINE: f64 = 44.0;
 /// Strokes and gaps of dashed lines.
 pub(super) const DASHES: (f64, f64) = (14.0, 10.0);
 
+/// Distance of words from the edges of a picture.
+pub(super) const EDGE: f64 = 30.0;
+
 /// Half of the size of a marker with corners.
-const MARKER: f64 = 11.0;
+pub(super) const MARKER: f64 = 11.0;
 /// Radius of a hollow disc, to the middle of its line.
 const DISC: f64 = 9.0;
 
@@ -47,8 +57,9 @@ pub(super) struct Canvas {
 }
 
 impl Canvas {
+    /// A canvas of the usual width and text, which ends where [`Self::finish_at`] says.
     pub(super) fn new() -> Self {
-        Self::of_size(SIZE, TEXT)
+        Self::of_size((WIDTH as u32, u32::from(u16::MAX)), TEXT)
     }
 
     pub(super) fn of_size(size: (u32, u32), text: f64) -> Self {
@@ -56,24 +67,22 @@ impl Canvas {
         Self { area: elements.clone().into_drawing_area(), elements, size, text }
     }
 
+    /// The picture, which ends at this height.
+    pub(super) fn finish_at(self, height: f64) -> String {
+        Self { size: (self.size.0, height as u32), ..self }.finish()
+    }
+
     /// The picture.
     pub(super) fn finish(self) -> String {
-        self.without_head(0)
-    }
-
-    /// The picture without so much of its top.
-    pub(super) fn without_head(self, head: u32) -> String {
         let Self { size: (width, height), elements, text, .. } = self;
-        let (left, style, elements) = (height - head, style(), elements.text());
+        let scale = (TALLEST / text).min(1.0);
+        let [wide, tall] = [width, height].map(|side| (scale * f64::from(side)).round());
+        let (style, elements) = (style(), elements.text());
         format!(
-            "<svg font-family=\"sans-serif\" font-size=\"{text}\" fill=\"{WORDS}\" stroke-width=\"{LINE_WIDTH}\" stroke-linejoin=\"round\" width=\"{width}\" height=\"{left}\" \
-             viewBox=\"0 {head} {width} {left}\" xmlns=\"http://www.w3.org/2000/svg\">{style}\n\
+            "<svg font-family=\"sans-serif\" font-size=\"{text}\" fill=\"{WORDS}\" stroke-width=\"{LINE_WIDTH}\" stroke-linejoin=\"round\" width=\"{wide}\" height=\"{tall}\" \
+             viewBox=\"0 0 {width} {height}\" xmlns=\"http://www.w3.org/2000/svg\">{style}\n\
              <rect width=\"{width}\" height=\"{height}\" fill=\"{PAPER}\"/>\n{elements}</svg>\n"
         )
-    }
-
-    pub(super) fn height(&self) -> f64 {
-        f64::from(self.size.1)
     }
 
     fn draw<'a, E>(&self, element: &'a E)
@@ -118,7 +127,7 @@ impl Canvas {
         self.line(&[&corners[..], &corners[..1]].concat(), colour, width);
     }
 
-    /// One of four shapes by number at each place; hollow for points that are left out.
+    /// One of seven shapes by number at each place; hollow for points that are left out.
     pub(super) fn markers(
         &mut self,
         places: &[CanvasPoint],
@@ -126,7 +135,7 @@ impl Canvas {
         colour: Colour,
         hollow: bool,
     ) {
-        if shape.is_multiple_of(4) && !hollow {
+        if shape.is_multiple_of(SHAPES.len() + 1) && !hollow {
             // Points of a round pen.
             let point = |place: &CanvasPoint| moves([pixel(*place)]) + "h0";
             let data: String = places.iter().map(point).collect();
@@ -167,26 +176,32 @@ impl Canvas {
         }
     }
 
-    /// A legend of colours on one line.
-    pub(super) fn swatches<const COUNT: usize>(
+    /// A legend of colours, on as many lines as it takes; the height below it.
+    pub(super) fn swatches(
         &mut self,
-        (mut x, y): CanvasPoint,
-        entries: [((Colour, bool), &str); COUNT],
-    ) {
+        (left, mut y): CanvasPoint,
+        entries: &[((Colour, bool), &str)],
+    ) -> f64 {
+        let mut x = left;
         for (tint, words) in entries {
+            let wide = 76.0 + self.text * breadth(words);
+            if x > left && x + wide > f64::from(self.size.0) {
+                (x, y) = (left, y + LINE);
+            }
             let sides = [x, y - 16.0, x + 60.0, y + 16.0];
-            self.tinted(sides, tint, &[]);
+            self.tinted(sides, *tint, &[]);
             self.line_box(sides, INK, 1);
             self.text(words, (x + 76.0, y), Anchor::Left);
-            x += 120.0 + 0.53 * self.text * words.chars().count() as f64;
+            x += wide + EDGE;
         }
+        y + LINE
     }
 
-    /// A title, and lines below it.
+    /// A title and lines below it, as [`heading`] breaks them.
     pub(super) fn heading(&mut self, title: &str, lines: &[String]) {
-        self.bold(title, (30.0, 44.0));
-        for (i, line) in lines.iter().enumerate() {
-            self.text(line, (30.0, 44.0 + LINE * (i + 1) as f64), Anchor::Left);
+        self.bold(title, (EDGE, LINE));
+        for (i, line) in (2..).zip(lines) {
+            self.text(line, (EDGE, LINE * f64::from(i)), Anchor::Left);
         }
     }
 
@@ -212,19 +227,32 @@ impl Canvas {
     }
 }
 
+/// Shapes of markers after the disc: square, triangle, diamond, triangle that points down, cross, star. Points, their
+/// distance from the centre in half sizes, that of the corners between them as a part, and the first point's angle upwards in
+/// turns.
+const SHAPES: [(usize, f64, f64, f64); 6] = [
+    (4, 1.414, 0.707, 0.125),
+    (3, 1.4, 0.5, 0.0),
+    (4, 1.4, 0.707, 0.0),
+    (3, 1.4, 0.5, 0.5),
+    (4, 1.6, 0.35, 0.125),
+    (5, 1.7, 0.42, 0.0),
+];
+
 /// The data of a closed path around a point.
 fn outline(shape: usize, (x, y): CanvasPoint) -> String {
-    let corners: &[CanvasPoint] = match shape % 4 {
-        0 => {
-            let (left, up) = pixel((x - DISC, y));
-            let r = DISC as i32;
-            return format!("M{left} {up}a{r} {r} 0 1 0 {0} 0a{r} {r} 0 1 0-{0} 0z", 2 * r);
-        }
-        1 => &[(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)],
-        2 => &[(0.0, -1.3), (1.2, 0.9), (-1.2, 0.9)],
-        _ => &[(0.0, -1.4), (1.4, 0.0), (0.0, 1.4), (-1.4, 0.0)],
+    let Some(shape) = (shape % (SHAPES.len() + 1)).checked_sub(1) else {
+        let (left, up) = pixel((x - DISC, y));
+        let r = DISC as i32;
+        return format!("M{left} {up}a{r} {r} 0 1 0 {0} 0a{r} {r} 0 1 0-{0} 0z", 2 * r);
     };
-    moves(corners.iter().map(|(dx, dy)| pixel((x + MARKER * dx, y + MARKER * dy)))) + "z"
+    let (points, far, between, turn) = SHAPES[shape];
+    let corner = |i: usize| {
+        let reach = MARKER * far * if i.is_multiple_of(2) { 1.0 } else { between };
+        let (sin, cos) = (TAU * (turn + i as f64 / (2 * points) as f64)).sin_cos();
+        pixel((x + reach * sin, y - reach * cos))
+    };
+    moves((0..2 * points).map(corner)) + "z"
 }
 
 pub(super) fn corners([left, top, right, bottom]: [f64; 4]) -> [CanvasPoint; 4] {
@@ -240,32 +268,28 @@ pub(super) fn span(values: impl Iterator<Item = f64>) -> (f64, f64) {
 #[derive(Default)]
 pub(super) struct View {
     origin: (f64, f64),
-    scale: (f64, f64),
+    scale: f64,
     corner: (f64, f64),
 }
 
 impl View {
-    /// The view of the finite points in a room [left, top, right, bottom]; both axes have one scale unless `stretched`.
+    /// The view of the finite points in a room [left, top, right, bottom].
     pub(super) fn of(
         points: impl Iterator<Item = (f64, f64)>,
         [left, top, right, bottom]: [f64; 4],
-        stretched: bool,
     ) -> Option<Self> {
         let all: Vec<_> = points.filter(|p| p.0.is_finite() && p.1.is_finite()).collect();
         let (x, y) = (span(all.iter().map(|p| p.0)), span(all.iter().map(|p| p.1)));
         let wide = |(lo, hi): (f64, f64)| (hi - lo).max(f64::MIN_POSITIVE);
-        let mut scale = ((right - left) / wide(x), (bottom - top) / wide(y));
-        if !stretched {
-            scale = (scale.0.min(scale.1), scale.0.min(scale.1));
-        }
-        let rest = (right - left - scale.0 * wide(x), bottom - top - scale.1 * wide(y));
+        let scale = ((right - left) / wide(x)).min((bottom - top) / wide(y));
+        let rest = (right - left - scale * wide(x), bottom - top - scale * wide(y));
         let corner = (left + 0.5 * rest.0, bottom - 0.5 * rest.1);
         (!all.is_empty()).then_some(Self { origin: (x.0, y.0), scale, corner })
     }
 
     pub(super) fn place(&self, (x, y): (f64, f64)) -> CanvasPoint {
         let away = (x - self.origin.0, y - self.origin.1);
-        (self.corner.0 + self.scale.0 * away.0, self.corner.1 - self.scale.1 * away.1)
+        (self.corner.0 + self.scale * away.0, self.corner.1 - self.scale * away.1)
     }
 }
 
@@ -275,4 +299,50 @@ fn pixel((x, y): CanvasPoint) -> (i32, i32) {
 
 fn pixels(path: &[CanvasPoint]) -> Vec<(i32, i32)> {
     path.iter().copied().map(pixel).collect()
+}
+
+// How wide words are.
+
+/// Width of words in text heights, from above: that of DejaVu Sans, which is wider than most.
+pub(super) fn breadth(words: &str) -> f64 {
+    let of = |text: &str| text.chars().map(advance).sum::<f64>();
+    let piece = |(sign, text): (char, String)| match sign {
+        ' ' => of(&text),
+        _ => SMALLER * of(&text),
+    };
+    scripts(words, false).into_iter().map(piece).sum()
+}
+
+fn advance(sign: char) -> f64 {
+    match sign {
+        ' ' | '.' | ',' | ':' | ';' | '\'' | '|' | 'i' | 'j' | 'l' | 'I' => 0.34,
+        '(' | ')' | '[' | ']' | '-' | '/' | 'r' | 't' | 'f' | '·' => 0.42,
+        '⁰'..='⁹' | '⁻' | '¹' | '²' | '³' => 0.42,
+        '0'..='9' | 'a'..='l' | 'n'..='v' | 'x'..='z' => 0.64,
+        'm' | 'M' | 'W' | '%' | '…' | '—' => 1.0,
+        _ => 0.84,
+    }
+}
+
+/// Breaks words into lines of at most `width` text heights.
+pub(super) fn lines(words: &str, width: f64) -> Vec<String> {
+    wrapped(words, |line| breadth(line) <= width)
+}
+
+/// The lines below a title, across the picture.
+pub(super) fn heading(words: &str) -> Vec<String> {
+    lines(words, (WIDTH - 2.0 * EDGE) / TEXT)
+}
+
+/// Breaks words at blanks into lines that fit; a word that does not has its own.
+pub(super) fn wrapped(words: &str, fits: impl Fn(&str) -> bool) -> Vec<String> {
+    let mut lines: Vec<String> = Vec::new();
+    for word in words.split_whitespace() {
+        let longer = lines.last().map(|line| format!("{line} {word}")).filter(|line| fits(line));
+        match (lines.last_mut(), longer) {
+            (Some(last), Some(longer)) => *last = longer,
+            _ => lines.push(word.to_owned()),
+        }
+    }
+    lines
 }

@@ -1,7 +1,9 @@
 //! A picture of series over two axes.
 
-use crate::canvas::{Anchor, Canvas, CanvasPoint, DASHES, LINE, SIZE, TEXT};
-use crate::palette::{Colour, GRID, INK, colour};
+use crate::canvas::{
+    Anchor, Canvas, CanvasPoint, DASHES, EDGE, LINE, MARKER, TEXT, WIDTH, breadth, heading, lines,
+};
+use crate::palette::{Colour, GRID, INK, ink};
 use crate::ruler::{Room, Ruler, Scale};
 
 /// x and y.
@@ -67,7 +69,7 @@ pub struct Chart {
     pub series: Vec<Series>,
     pub verticals: Vec<Mark>,
     pub horizontals: Vec<Mark>,
-    /// Words beside points; those that would stand on others before them are left out.
+    /// Words beside points; those that would stand on something drawn are left out.
     pub labels: Vec<(Datum, String)>,
     /// Signs that no series explains, with their meaning.
     pub keys: Vec<(Part, String)>,
@@ -90,23 +92,15 @@ impl Series {
     }
 
     /// Its first line and its markers, filled.
-    fn samples(&self) -> Vec<&Part> {
+    fn samples(&self) -> Vec<Part> {
         let line = self.parts.iter().find(|part| !part.has_markers());
         let marker = self.parts.iter().find(|part| part.has_markers());
-        line.into_iter().chain(marker).collect()
+        line.into_iter().chain(marker).cloned().collect()
     }
 }
 
 /// Strokes and gaps of dotted lines.
 const DOTS: (f64, f64) = (4.0, 9.0);
-
-/// Characters in the width of the picture.
-const TITLE_CHARACTERS: usize = 92;
-
-/// Offset of words from their point: above the line that goes on to the right.
-const LABEL: (f64, f64) = (10.0, -34.0);
-/// Maximal width of a character.
-const CHARACTER: f64 = 17.5;
 
 /// Limit of decades added below to make room for the triangles.
 const LONGER: i32 = 3;
@@ -125,6 +119,15 @@ impl Part {
 
     pub(super) fn has_markers(&self) -> bool {
         matches!(self, Part::Points(_) | Part::Hollow(_))
+    }
+
+    /// Whole lines are drawn first, then broken ones, then markers.
+    fn rank(&self) -> usize {
+        match self {
+            Part::Line(_) => 0,
+            Part::Dashed(_) | Part::Dotted(_) | Part::Broken(..) => 1,
+            Part::Points(_) | Part::Hollow(_) => 2,
+        }
     }
 
     /// Draws an uninterrupted run of places as this part is drawn, by colour and shape.
@@ -154,16 +157,18 @@ impl Chart {
     /// The picture as SVG; none if no point has a place.
     pub fn svg(&self) -> Option<String> {
         let (frame, slopes) = self.arranged()?;
-        let layout = self.layout();
-        let mut canvas = Canvas::of_size(layout.size, layout.text);
-        canvas.heading(&self.title, &wrapped(&self.question, TITLE_CHARACTERS, 2));
+        let mut canvas = match self.small {
+            true => Canvas::of_size(SMALL, frame.text),
+            false => Canvas::new(),
+        };
+        canvas.heading(&self.title, &heading(&self.question));
         frame.draw(&mut canvas, [&self.x.label, &self.y.label]);
-        canvas.line_box(layout.room, INK, 3);
+        canvas.line_box(frame.room, INK, 3);
         self.draw_marks(&mut canvas, &frame);
-        // Lines lie below markers.
-        for markers in [false, true] {
+        // Where curves meet, broken lines are seen on whole ones, and markers on both.
+        for rank in 0..3 {
             for (series, ink) in self.series.iter().zip(self.inks()) {
-                for part in series.parts.iter().filter(|part| part.has_markers() == markers) {
+                for part in series.parts.iter().filter(|part| part.rank() == rank) {
                     self.runs(&frame, part).iter().for_each(|run| part.draw(&mut canvas, run, ink));
                 }
             }
@@ -171,30 +176,56 @@ impl Chart {
         for placed in &slopes {
             placed.draw(&mut canvas, self.inks()[placed.series].0);
         }
-        // The ends and heights of the labels that are drawn: none stands on one before it.
-        let mut taken: Vec<[f64; 3]> = Vec::new();
-        for (point, words) in &self.labels {
-            let (x, y) = frame.place(*point);
-            let (width, right) = (CHARACTER * words.chars().count() as f64, layout.room[2]);
-            let (place, anchor, left) = match x + LABEL.0 + width > right {
-                true => (right - LABEL.0, Anchor::Right, right - LABEL.0 - width),
-                false => (x + LABEL.0, Anchor::Left, x + LABEL.0),
-            };
-            let clear = |[from, to, height]: &[f64; 3]| {
-                (y - height).abs() >= LINE || *to <= left || left + width <= *from
-            };
-            if taken.iter().all(clear) {
-                canvas.text(words, (place, y + LABEL.1), anchor);
-                taken.push([left, left + width, y]);
-            }
-        }
-        self.draw_legend(&mut canvas, &frame, !slopes.is_empty());
-        let has_head = self.small || !self.title.is_empty();
-        Some(canvas.without_head(if has_head { 0 } else { TITLE_ROOM }))
+        self.draw_labels(&mut canvas, &frame, &slopes);
+        let end = self.draw_legend(&mut canvas, &frame, !slopes.is_empty());
+        Some(canvas.finish_at(if self.small { f64::from(SMALL.1) } else { end }))
     }
 
-    pub(super) fn layout(&self) -> &'static Layout {
-        if self.small { &SMALL } else { &LARGE }
+    /// Words beside their points, where nothing else stands: right of a point or left of it, above or below.
+    fn draw_labels(&self, canvas: &mut Canvas, frame: &Frame, slopes: &[Placed]) {
+        let mut taken = self.taken(frame);
+        taken.extend(slopes.iter().flat_map(Placed::outline));
+        let across = self.placed_marks().into_iter().filter(|(upright, _)| !upright);
+        let [left, top, right, bottom] = frame.room;
+        for (_, mark) in across {
+            let y = frame.up(mark.at);
+            taken.extend(sampled(&[(left, y), (right, y)]));
+        }
+        for (point, words) in &self.labels {
+            let (x, y) = frame.place(*point);
+            let width = frame.text * breadth(words);
+            let beside = |(right, up, away): (f64, f64, f64)| {
+                let from = if right > 0.0 { x + away } else { x - away - width };
+                let middle = y + up * (MARKER + HALF_LINE + away);
+                [from, middle - HALF_LINE, from + width, middle + HALF_LINE]
+            };
+            let free = |sides: &[f64; 4]| {
+                let [from, above, to, below] = *sides;
+                let inside = from > left && to < right && above > top && below < bottom;
+                inside && !taken.iter().any(|place| is_near(sides, *place))
+            };
+            let sides = [4.0, 20.0, 40.0].into_iter().flat_map(|away| {
+                [(1.0, -1.0), (1.0, 1.0), (-1.0, 1.0), (-1.0, -1.0), (1.0, 0.0), (-1.0, 0.0)]
+                    .map(|(right, up)| (right, up, away + MARKER))
+            });
+            if let Some([from, above, to, below]) = sides.map(beside).find(free) {
+                canvas.text(words, (from, 0.5 * (above + below)), Anchor::Left);
+                let box_of = [(from, above), (to, above), (to, below), (from, below)];
+                taken.extend(sampled(&box_of));
+            }
+        }
+    }
+
+    /// Places of markers, and points along lines.
+    fn taken(&self, frame: &Frame) -> Vec<CanvasPoint> {
+        let parts = self.series.iter().flat_map(|series| &series.parts);
+        let runs =
+            parts.flat_map(|part| self.runs(frame, part).into_iter().map(move |run| (part, run)));
+        let points = |(part, run): (&Part, Vec<CanvasPoint>)| match part.has_markers() {
+            true => run,
+            false => sampled(&run),
+        };
+        runs.flat_map(points).collect()
     }
 
     /// The axes, extended until every triangle has a place; failing that, the triangle is omitted.
@@ -220,16 +251,12 @@ impl Chart {
 
     /// Colour and shape of each series.
     pub(super) fn inks(&self) -> Vec<(Colour, usize)> {
-        let mut next = 0;
-        let ink = |series: &Series| {
-            if series.grey {
-                return (INK, 0);
-            }
-            let at = series.ink.unwrap_or(next);
-            next += usize::from(series.ink.is_none());
-            (colour(at), at)
+        let mut next = 0..;
+        let of = |series: &Series| match (series.grey, series.ink) {
+            (true, _) => (INK, 0),
+            (false, own) => ink(own.or_else(|| next.next()).unwrap_or(0)),
         };
-        self.series.iter().map(ink).collect()
+        self.series.iter().map(of).collect()
     }
 
     /// The places of a part, cut at points without a place.
@@ -242,58 +269,89 @@ impl Chart {
             .collect()
     }
 
-    fn draw_legend(&self, canvas: &mut Canvas, frame: &Frame, triangles: bool) {
-        let mut legend = Legend::new(canvas, frame);
+    /// The entries of curves that are drawn, of marks and of signs.
+    fn entries(&self, frame: &Frame, triangles: bool) -> Vec<Entry> {
         let grey = (INK, 0);
+        let seen = |series: &Series| series.parts.iter().any(|p| !self.runs(frame, p).is_empty());
+        let mut entries = Vec::new();
         for (series, ink) in self.series.iter().zip(self.inks()) {
-            if !series.name.is_empty() {
-                legend.entry(&series.samples(), ink, &series.name);
-                series.detail.lines().for_each(|words| legend.entry(&[], grey, words));
-                legend.space();
+            if !series.name.is_empty() && seen(series) {
+                let lines = series.name.lines().chain(series.detail.lines());
+                let lines = lines.map(str::to_owned).collect();
+                entries.push(Entry { samples: series.samples(), ink, lines });
             }
         }
-        for (sample, words) in self.mark_entries() {
-            legend.entry(&sample.iter().collect::<Vec<_>>(), grey, &words);
-        }
-        for (sample, words) in &self.keys {
-            legend.entry(&[sample], grey, words);
-        }
+        let of = |(samples, words)| Entry { samples, ink: grey, lines: vec![words] };
+        entries.extend(self.mark_entries().into_iter().map(of));
+        entries.extend(self.keys.iter().cloned().map(|(sign, words)| of((vec![sign], words))));
         if triangles {
-            legend.entry(&[], grey, "triangle: predicted order");
+            entries.push(of((Vec::new(), "triangle: predicted order".into())));
         }
-        legend.space();
-        legend.entry(&[], grey, &self.note);
+        entries
+    }
+
+    /// The legend: below the picture in two columns, or beside a small one; the height at which it ends.
+    fn draw_legend(&self, canvas: &mut Canvas, frame: &Frame, triangles: bool) -> f64 {
+        let [_, top, right, bottom] = frame.room;
+        let unit = frame.text / TEXT;
+        let (left, top, width) = match self.small {
+            true => (right + 0.3 * TEXT, top + HALF_LINE, f64::from(SMALL.0) - right),
+            false => {
+                let below = frame.under(&self.x.label).len() as f64;
+                (EDGE, bottom + NAME + LINE * (below + 0.7), 0.5 * WIDTH - EDGE)
+            }
+        };
+        let mut entries = self.entries(frame, triangles);
+        for entry in &mut entries {
+            let room = (width - SAMPLE * unit) / frame.text;
+            entry.lines = entry.lines.iter().flat_map(|line| lines(line, room)).collect();
+        }
+        let count = |part: &[Entry]| part.iter().map(|e| e.lines.len() as f64 + BETWEEN).sum();
+        let height = |split: &usize| {
+            let (first, second) = entries.split_at(*split);
+            f64::max(count(first), count(second))
+        };
+        let least = if self.small { entries.len() } else { 0 };
+        let splits = least..=entries.len();
+        let split = splits.min_by(|a, b| height(a).total_cmp(&height(b))).unwrap_or(0);
+        let end = top + LINE * unit * height(&split);
+        let (first, second) = entries.split_at(split);
+        for (column, entries) in [(left, first), (left + width, second)] {
+            let mut y = top;
+            for entry in entries {
+                entry.draw(canvas, (column, y), unit);
+                y += LINE * unit * (entry.lines.len() as f64 + BETWEEN);
+            }
+        }
+        let note = heading(&self.note);
+        for (i, line) in note.iter().enumerate() {
+            canvas.text(line, (left, end + LINE * i as f64), Anchor::Left);
+        }
+        end + LINE * note.len() as f64
     }
 }
 
-// The axes of a picture, with room for a title above and a legend beside.
+// The axes of a picture, with room for a title above, and a legend below or beside.
 
-/// Size of a picture, height of its words, room for a label of the axis across, and the axes: left, top, right, bottom.
-pub(super) struct Layout {
-    pub(super) size: (u32, u32),
-    pub(super) text: f64,
-    label: f64,
-    pub(super) room: [f64; 4],
-}
+/// Size of a picture that is readable at 240 pixels, and height of its words.
+const SMALL: (u32, u32) = (480, 404);
+const SMALL_TEXT: f64 = 22.0;
 
-pub(super) const LARGE: Layout =
-    Layout { size: SIZE, text: TEXT, label: 100.0, room: [170.0, 190.0, 1140.0, 990.0] };
-/// Readable at 240 pixels.
-pub(super) const SMALL: Layout =
-    Layout { size: (480, 404), text: 22.0, label: 80.0, room: [84.0, 16.0, 290.0, 312.0] };
-
-/// Height of title and question, above the letters of marks.
-pub(super) const TITLE_ROOM: u32 = 136;
+/// Height of the axes of a large picture.
+const TALL: f64 = 640.0;
+/// From the axis to the middle of the words at its ticks, and of those below them; to the end of these.
+const TICKS: f64 = 36.0;
+const NAME: f64 = 64.0;
 
 /// Length of an unlabelled tick.
 const STROKE: f64 = 12.0;
 
-/// Lengths beside the axes are those of a large picture times `unit`.
+/// Lengths beside the axes are those of a large picture times text/[`TEXT`].
 pub(super) struct Frame {
     pub(super) x: Ruler,
     pub(super) y: Ruler,
     pub(super) room: [f64; 4],
-    pub(super) unit: f64,
+    pub(super) text: f64,
 }
 
 impl Frame {
@@ -314,15 +372,32 @@ impl Frame {
         let levels: Vec<f64> = markers.filter(shown).map(|point| point.0).collect();
         let (data, beside) = if levels.is_empty() { (&xs, &levels) } else { (&levels, &xs) };
         let beside = [&beside[..], &marks(&chart.verticals)].concat();
-        let Layout { room, text, label, .. } = chart.layout();
-        let [left, top, right, bottom] = *room;
-        let unit = text / TEXT;
+        let (text, top, bottom) = match chart.small {
+            true => (SMALL_TEXT, 16.0, 312.0),
+            false => {
+                let titles =
+                    if chart.title.is_empty() { 0 } else { 1 + heading(&chart.question).len() };
+                let letters = if chart.verticals.is_empty() { 1.0 } else { 1.6 };
+                let top = LINE * (titles as f64 + letters);
+                (TEXT, top, top + TALL)
+            }
+        };
         // Twice a line of text for labels above another.
-        let room_x = Room { length: right - left, label: *label };
-        let room_y = Room { length: bottom - top, label: 80.0 * unit };
-        let x = Ruler::new(scales.0, data, &beside, room_x)?;
+        let room_y = Room { length: bottom - top, label: 80.0 * text / TEXT };
         let y = Ruler::new(scales.1, &ys, &marks(&chart.horizontals), room_y)?;
-        Some(Self { x, y, room: *room, unit })
+        let left = beside_axis(&y, text) + text * if chart.y.label.is_empty() { 0.2 } else { 1.5 };
+        let right = match chart.small {
+            true => {
+                let names = chart.series.iter().map(|series| breadth(&series.name));
+                let widest = names.fold(0.0, f64::max);
+                let legend = if widest > 0.0 { SAMPLE * text / TEXT + text * widest } else { 0.0 };
+                f64::from(SMALL.0) - 0.6 * TEXT - legend
+            }
+            false => WIDTH - 2.0 * EDGE,
+        };
+        let label = if chart.small { 80.0 } else { 100.0 };
+        let x = Ruler::new(scales.0, data, &beside, Room { length: right - left, label })?;
+        Some(Self { x, y, room: [left, top, right, bottom], text })
     }
 
     pub(super) fn place(&self, (x, y): (f64, f64)) -> CanvasPoint {
@@ -346,15 +421,21 @@ impl Frame {
         self.y.decade().map(|share| share * (bottom - top))
     }
 
+    /// The name of the axis across, broken to its length and a little more.
+    fn under(&self, name: &str) -> Vec<String> {
+        let [left, _, right, _] = self.room;
+        lines(name, (right - left + 2.0 * EDGE) / self.text)
+    }
+
     /// Grid, ticks, and the names of the axes.
     pub(super) fn draw(&self, canvas: &mut Canvas, [name_x, name_y]: [&str; 2]) {
-        let ([left, top, right, bottom], unit) = (self.room, self.unit);
+        let ([left, top, right, bottom], unit) = (self.room, self.text / TEXT);
         for tick in &self.x.ticks {
             let x = self.across(tick.at);
             match &tick.label {
                 Some(label) => {
                     canvas.line(&[(x, top), (x, bottom)], GRID, 2);
-                    canvas.text(label, (x, bottom + 36.0 * unit), Anchor::Centre);
+                    canvas.text(label, (x, bottom + TICKS * unit), Anchor::Centre);
                 }
                 None => canvas.line(&[(x, bottom), (x, bottom - STROKE)], INK, 2),
             }
@@ -364,15 +445,25 @@ impl Frame {
             match &tick.label {
                 Some(label) => {
                     canvas.line(&[(left, y), (right, y)], GRID, 2);
-                    canvas.text(label, (left - 16.0 * unit, y), Anchor::Right);
+                    canvas.text(label, (left - 0.4 * self.text, y), Anchor::Right);
                 }
                 None => canvas.line(&[(left, y), (left + STROKE, y)], INK, 2),
             }
         }
         let middle = (0.5 * (left + right), 0.5 * (top + bottom));
-        canvas.text(name_x, (middle.0, bottom + 96.0 * unit), Anchor::Centre);
-        canvas.text(name_y, (left - 140.0 * unit, middle.1), Anchor::Upwards);
+        for (i, line) in self.under(name_x).iter().enumerate() {
+            let y = bottom + unit * (NAME + LINE * (0.4 + i as f64));
+            canvas.text(line, (middle.0, y), Anchor::Centre);
+        }
+        let beside = left - beside_axis(&self.y, self.text) - 0.8 * self.text;
+        canvas.text(name_y, (beside, middle.1), Anchor::Upwards);
     }
+}
+
+/// Room for the labels of an axis upwards, with the distance to it.
+pub(super) fn beside_axis(y: &Ruler, text: f64) -> f64 {
+    let labels = y.ticks.iter().filter_map(|tick| tick.label.as_deref());
+    text * (0.4 + labels.map(breadth).fold(0.0, f64::max))
 }
 
 // Lines across a picture at values of its axes, with letters that the legend explains.
@@ -427,15 +518,15 @@ impl Chart {
     }
 
     /// Legend entries; marks without a place come last, without a letter.
-    fn mark_entries(&self) -> Vec<(Option<Part>, String)> {
+    fn mark_entries(&self) -> Vec<(Vec<Part>, String)> {
         let drawn = self.placed_marks().into_iter().enumerate().map(|(index, (_, mark))| {
             let sample = Part::Broken(PATTERNS[index % PATTERNS.len()], Vec::new());
-            (Some(sample), format!("{}: {}", letter(index), mark.label))
+            (vec![sample], format!("{}: {}", letter(index), mark.label))
         });
         let lost = |upright| move |mark: &&Mark| !self.has_place(upright, mark);
         let verticals = self.verticals.iter().filter(lost(true));
         let lost = verticals.chain(self.horizontals.iter().filter(lost(false)));
-        drawn.chain(lost.map(|mark| (None, mark.label.clone()))).collect()
+        drawn.chain(lost.map(|mark| (Vec::new(), mark.label.clone()))).collect()
     }
 }
 
@@ -443,67 +534,34 @@ fn letter(index: usize) -> String {
     char::from(b'a' + (index % 26) as u8).into()
 }
 
-// The words beside a picture.
+// The words below a picture, or beside a small one.
 
-/// Characters in the width of the legend.
-const LEGEND_CHARACTERS: usize = 28;
+/// Width of a sample, with the distance to its words, and free lines between entries.
+const SAMPLE: f64 = 82.0;
+const BETWEEN: f64 = 0.2;
 
-struct Legend<'a> {
-    canvas: &'a mut Canvas,
-    left: f64,
-    y: f64,
-    /// As of [`Frame`].
-    unit: f64,
+/// A sample of each part, and the words beside it.
+struct Entry {
+    samples: Vec<Part>,
+    ink: (Colour, usize),
+    lines: Vec<String>,
 }
 
-impl<'a> Legend<'a> {
-    fn new(canvas: &'a mut Canvas, frame: &Frame) -> Self {
-        let ([_, top, right, _], unit) = (frame.room, frame.unit);
-        Self { canvas, left: right + 50.0 * unit, y: top + 22.0 * unit, unit }
-    }
-
-    /// An entry: a sample of each part, and its words in at most six lines. What does not fit is left to the table.
-    fn entry(&mut self, parts: &[&Part], ink: (Colour, usize), words: &str) {
-        let (left, right, y) = (self.left, self.left + 64.0 * self.unit, self.y);
-        if y > self.canvas.height() - LINE * self.unit {
-            return;
-        }
-        for part in parts {
-            let sample = match part {
-                Part::Points(_) | Part::Hollow(_) => vec![(0.5 * (left + right), y)],
-                _ => vec![(left, y), (right, y)],
+impl Entry {
+    fn draw(&self, canvas: &mut Canvas, (left, y): CanvasPoint, unit: f64) {
+        let right = left + 64.0 * unit;
+        for part in &self.samples {
+            let sample = match part.has_markers() {
+                true => vec![(0.5 * (left + right), y)],
+                false => vec![(left, y), (right, y)],
             };
-            part.draw(self.canvas, &sample, ink);
+            part.draw(canvas, &sample, self.ink);
         }
-        for text in wrapped(words, LEGEND_CHARACTERS, 6) {
-            self.canvas.text(&text, (right + 18.0 * self.unit, self.y), Anchor::Left);
-            self.y += LINE * self.unit;
-        }
-    }
-
-    fn space(&mut self) {
-        self.y += 0.35 * LINE * self.unit;
-    }
-}
-
-/// Wraps to `most` lines of at most `width` characters; the last one marks an omission.
-pub(super) fn wrapped(text: &str, width: usize, most: usize) -> Vec<String> {
-    let mut lines: Vec<String> = Vec::new();
-    for word in text.split_whitespace() {
-        match lines.last_mut() {
-            Some(line) if line.chars().count() + 1 + word.chars().count() <= width => {
-                line.push(' ');
-                line.push_str(word);
-            }
-            _ => lines.push(word.to_owned()),
+        for (i, words) in self.lines.iter().enumerate() {
+            let place = (left + SAMPLE * unit, y + LINE * unit * i as f64);
+            canvas.text(words, place, Anchor::Left);
         }
     }
-    let cut = lines.len() > most;
-    lines.truncate(most);
-    if let Some(last) = lines.last_mut().filter(|_| cut) {
-        last.push('…');
-    }
-    lines
 }
 
 // Triangles of a predicted order, placed in free space.
@@ -540,20 +598,15 @@ pub(super) fn place(chart: &Chart, frame: &Frame) -> Vec<Placed> {
     let Some(decade) = frame.decade() else {
         return Vec::new();
     };
-    let parts = chart.series.iter().flat_map(|series| &series.parts);
-    let runs =
-        parts.flat_map(|part| chart.runs(frame, part).into_iter().map(move |run| (part, run)));
-    let mut taken: Vec<CanvasPoint> =
-        runs.flat_map(|(part, run)| if part.has_markers() { run } else { sampled(&run) }).collect();
+    let mut taken = chart.taken(frame);
     let mut placed = Vec::new();
     for (series, slope) in
         chart.series.iter().enumerate().filter_map(|(i, series)| Some((i, series.slope.as_ref()?)))
     {
         if let Some(corners) = free_place(slope, frame, decade, &taken) {
-            taken.extend(sampled(&[&corners[..], &corners[..1]].concat()));
-            let [left, top, right, bottom] = label_box(&corners, &slope.label);
-            taken.extend(sampled(&[(left, top), (right, top), (right, bottom), (left, bottom)]));
-            placed.push(Placed { series, corners, label: slope.label.clone() });
+            let triangle = Placed { series, corners, label: slope.label.clone() };
+            taken.extend(triangle.outline());
+            placed.push(triangle);
         }
     }
     placed
@@ -593,11 +646,7 @@ fn free_place(
                 let edge = top + steep * (right - x.clamp(left, right));
                 let beside = x > left - CLEAR && x < right + CLEAR;
                 let (high, low) = (edge.min(top + height), edge.max(top + height));
-                beside && y > high - above && y < low + CLEAR
-                    || x > label[0] - 0.5 * CLEAR
-                        && x < label[2] + 0.5 * CLEAR
-                        && y > label[1] - 0.5 * CLEAR
-                        && y < label[3] + 0.5 * CLEAR
+                beside && y > high - above && y < low + CLEAR || is_near(&label, (x, y))
             };
             let inside = corners[0].1.max(top) < bottom - MOVE && label[2] < right_end;
             (inside && !taken.iter().any(near)).then_some(corners)
@@ -605,14 +654,28 @@ fn free_place(
     })
 }
 
+/// Whether a place is in a box or near it.
+fn is_near([left, top, right, bottom]: &[f64; 4], (x, y): CanvasPoint) -> bool {
+    let room = 0.5 * CLEAR;
+    x > left - room && x < right + room && y > top - room && y < bottom + room
+}
+
 /// The sides of the label, right of the upright side.
 fn label_box(corners: &[CanvasPoint; 3], label: &str) -> [f64; 4] {
     let (left, middle) = (corners[1].0 + MOVE, 0.5 * (corners[1].1 + corners[2].1));
-    let right = left + CHARACTER * label.chars().count() as f64;
+    let right = left + TEXT * breadth(label);
     [left, middle - HALF_LINE, right, middle + HALF_LINE]
 }
 
 impl Placed {
+    /// Points along its sides, and around its label.
+    fn outline(&self) -> Vec<CanvasPoint> {
+        let [left, top, right, bottom] = label_box(&self.corners, &self.label);
+        let label = [(left, top), (right, top), (right, bottom), (left, bottom)];
+        let sides = [&self.corners[..], &self.corners[..1]].concat();
+        [sampled(&sides), sampled(&label)].concat()
+    }
+
     #[cfg(test)]
     pub(super) fn corners(&self) -> [CanvasPoint; 3] {
         self.corners

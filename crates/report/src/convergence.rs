@@ -8,7 +8,7 @@ use crate::ruler::Scale;
 use judge::fit::Direction;
 use judge::record::{
     CONTACT_SET_MAX, CaseRecord, NORMS, V_TIME_MAX, is_by_state, norm_label, norm_label_in_time,
-    norm_rank,
+    norm_rank, norm_symbol,
 };
 use judge::verdict::{JudgedPoint, Variable, Verdict, cell_texts, line_points, most_frequent};
 
@@ -241,31 +241,14 @@ pub(super) fn thumbnail_svg(
 
 fn small(curve: Curve<'_>) -> Series {
     let order = curve.verdict.and_then(|verdict| verdict.observed);
-    let name = order.map_or(String::new(), |order| format!("{} {order:.2}", symbol(curve.norm)));
+    let name =
+        order.map_or(String::new(), |order| format!("{} {order:.2}", norm_symbol(curve.norm)));
     let Curve { norm, used, left_out, .. } = curve;
     let parts = vec![Part::Line(used.clone()), Part::Points(used), Part::Hollow(left_out)];
     Series { ink: ink(norm), ..Series::new(name, parts) }
 }
 
-/// The number of a norm's colour and shape, the same in every picture. V_time is drawn more often than the distance of
-/// the locked sets.
+/// The number of a norm's colour and shape, the same in every picture.
 fn ink(norm: &str) -> Option<usize> {
-    let rank = norm_rank(match norm {
-        V_TIME_MAX => CONTACT_SET_MAX,
-        CONTACT_SET_MAX => V_TIME_MAX,
-        norm => norm,
-    });
-    (rank < NORMS.len()).then_some(rank)
-}
-
-/// A short symbol of a norm.
-fn symbol(norm: &str) -> &str {
-    match norm.split('_').next() {
-        Some("V") => "V",
-        Some("L2") => "L²",
-        Some("stress") => "σ",
-        Some("trace") => "u_ν",
-        Some("pressure") => "ξ+λ",
-        _ => norm,
-    }
+    Some(norm_rank(norm)).filter(|rank| *rank < NORMS.len())
 }

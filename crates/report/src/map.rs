@@ -1,7 +1,7 @@
 //! A map: one row of cells per line, each cell with words and a colour for its outcome.
 
 use crate::SceneSummary;
-use crate::canvas::{Anchor, Canvas, SIZE};
+use crate::canvas::{Anchor, Canvas, EDGE, LINE, TEXT, WIDTH, breadth, heading, lines};
 use crate::convergence::norms;
 use crate::palette::{Colour, mixed};
 use crate::ruler::step_label;
@@ -43,22 +43,13 @@ pub struct Map {
     pub notes: Vec<String>,
 }
 
-const LEFT: f64 = 265.0;
-const RIGHT: f64 = 1770.0;
-/// Widest column.
+/// Widest column, and the distance of two cells.
 const WIDEST: f64 = 320.0;
-/// Height of text.
-const TEXT: f64 = 25.0;
-/// In heights of text: a line in a cell and in the notes, the rest of a row, heads, the maximal width of a character.
-const LINES: f64 = 1.27;
-const ROW: f64 = 0.57;
-const NOTES: f64 = 1.6;
-const HEADS: f64 = 2.3;
-const CHARACTER: f64 = 0.56;
-/// Height of the title; from the last row to the middle of the legend, and to the end.
-const TITLE: f64 = 116.0;
-const LEGEND: f64 = 46.0;
-const MARGIN: f64 = 84.0;
+const GAP: f64 = 4.0;
+/// The rest of the height of a row, and of the width of a cell beside its words.
+const PADDING: f64 = 18.0;
+/// Longer names of rows are broken.
+const NAME: f64 = 7.5;
 
 /// Light to dark, both light enough for dark words; then grey and vermilion.
 const NEAR: [f64; 3] = [226.0, 240.0, 250.0];
@@ -86,61 +77,68 @@ fn tint(shade: Shade) -> (Colour, bool) {
 }
 
 impl Map {
-    /// The picture.
+    /// The picture. Below heads cells stand in columns; without any each is as wide as its words, and a row that is too long
+    /// goes on below.
     pub fn svg(&self) -> String {
-        self.with_text(TEXT)
-    }
-
-    /// The picture with words of this height.
-    pub(super) fn with_text(&self, text: f64) -> String {
-        let cells = || self.rows.iter().flat_map(|(_, cells)| cells);
-        let lines = cells().map(|(words, _)| words.lines().count()).max().unwrap_or(0).max(1);
-        let row = (ROW + LINES * lines as f64) * text;
-        let titled = if self.title.is_empty() { 0.0 } else { TITLE };
-        let top = titled + if self.heads.is_empty() { 0.0 } else { HEADS * text };
-        let bottom = top + row * self.rows.len() as f64;
-        let notes = NOTES * text * self.notes.len() as f64;
-        let mut canvas = Canvas::of_size((SIZE.0, (bottom + MARGIN + notes) as u32), text);
-        canvas.heading(&self.title, std::slice::from_ref(&self.subtitle));
-        let columns = self.rows.iter().map(|(_, cells)| cells.len()).max().unwrap_or(0).max(1);
-        let width = ((RIGHT - LEFT) / columns as f64).min(WIDEST);
-        let room = ((width - 4.0) / (CHARACTER * text)).floor() as usize;
+        let rows = self.rows.iter().map(|(name, cells)| (broken(name), cells));
+        let rows: Vec<(Vec<String>, &Vec<Cell>)> = rows.collect();
+        let names = rows.iter().flat_map(|(name, _)| name).chain(self.heads.first());
+        let left = EDGE + TEXT * (0.5 + names.map(|name| breadth(name)).fold(0.0, f64::max));
+        let most = rows.iter().map(|(_, cells)| cells.len()).max().unwrap_or(0).max(1);
+        let column = ((WIDTH - EDGE - left) / most as f64).min(WIDEST);
+        let width = |cell: &Cell| match self.heads.is_empty() {
+            true => TEXT * breadth(&cell.0) + PADDING + GAP,
+            false => column,
+        };
+        let titles = if self.title.is_empty() { Vec::new() } else { heading(&self.subtitle) };
+        let mut y = if self.title.is_empty() { 0.0 } else { LINE * (1.7 + titles.len() as f64) };
+        let mut canvas = Canvas::new();
+        canvas.heading(&self.title, &titles);
         for (c, head) in self.heads.iter().enumerate() {
-            let y = top - 0.93 * text;
+            let across = left + column * (c as f64 - 0.5);
             match c {
-                0 => canvas.text(head, (LEFT - 16.0, y), Anchor::Right),
-                _ => canvas.text(head, (LEFT + width * (c as f64 - 0.5), y), Anchor::Centre),
+                0 => canvas.text(head, (left - 0.5 * TEXT, y + LINE), Anchor::Right),
+                _ => canvas.text(head, (across, y + LINE), Anchor::Centre),
             }
         }
-        for (r, (name, cells)) in self.rows.iter().enumerate() {
-            let top = top + row * r as f64;
-            canvas.text(name, (LEFT - 16.0, top + 0.5 * row), Anchor::Right);
-            for (c, (words, shade)) in cells.iter().enumerate() {
-                let left = LEFT + c as f64 * width;
-                let sides = [left, top, left + width - 4.0, top + row - 4.0];
-                let lines: Vec<String> = words.lines().map(|line| cut(line, room)).collect();
-                canvas.tinted(sides, tint(*shade), &lines);
+        y += if self.heads.is_empty() { 0.0 } else { 1.6 * LINE };
+        for (name, cells) in rows {
+            let said = |cell: &Cell| -> Vec<String> {
+                let room = (width(cell) - GAP) / TEXT;
+                cell.0.lines().flat_map(|line| lines(line, room)).collect()
+            };
+            let tallest = cells.iter().map(|cell| said(cell).len()).max().unwrap_or(0).max(1);
+            let (row, top, mut x) = (PADDING + LINE * tallest as f64, y, left);
+            for cell in cells {
+                if x > left && x + width(cell) > WIDTH - EDGE + GAP {
+                    (x, y) = (left, y + row);
+                }
+                let sides = [x, y, x + width(cell) - GAP, y + row - GAP];
+                canvas.tinted(sides, tint(cell.1), &said(cell));
+                x += width(cell);
+            }
+            y = (y + row).max(top + LINE * name.len() as f64);
+            let middle = 0.5 * (top + y - LINE * (name.len() as f64 - 1.0));
+            for (i, line) in name.iter().enumerate() {
+                let place = (left - 0.5 * TEXT, middle + LINE * i as f64);
+                canvas.text(line, place, Anchor::Right);
             }
         }
-        let left = if self.title.is_empty() { LEFT } else { 30.0 };
         let legend = self.legend.map(|(shade, words)| (tint(shade), words));
-        canvas.swatches((left, bottom + LEGEND), legend);
-        for (i, note) in (1..).zip(&self.notes) {
-            let y = bottom + LEGEND + NOTES * text * f64::from(i);
-            canvas.text(note, (left, y), Anchor::Left);
+        y = canvas.swatches((EDGE, y + LINE), &legend);
+        for note in self.notes.iter().flat_map(|note| heading(note)) {
+            canvas.text(&note, (EDGE, y), Anchor::Left);
+            y += LINE;
         }
-        canvas.finish()
+        canvas.finish_at(y - 0.4 * LINE)
     }
 }
 
-/// Words in a room of so many characters. Truncation is marked: half a number is another number.
-fn cut(words: &str, room: usize) -> String {
-    let mut shown: String = words.chars().take(room.max(1)).collect();
-    if shown.len() < words.len() {
-        shown.pop();
-        shown.push('…');
-    }
-    shown
+/// A name in lines, broken behind a dash.
+fn broken(name: &str) -> Vec<String> {
+    let parts =
+        if breadth(name) > NAME { name.split_inclusive('-') } else { name.split_inclusive('\n') };
+    parts.map(str::to_owned).collect()
 }
 
 // The error over h and k: a cell per run, with its error and the share that the fitted model attributes to either step.
@@ -166,7 +164,7 @@ pub fn split_svg(scene: &SceneSummary, records: &[CaseRecord]) -> Option<String>
         best.order_k.value
     )];
     if points.iter().any(|point| screen(point).is_err()) {
-        notes.push("in brackets: below the floor of the error".into());
+        notes.push("[in brackets]: below the floor of the error".into());
     }
     let map = Map {
         title: String::new(),
@@ -182,8 +180,7 @@ pub fn split_svg(scene: &SceneSummary, records: &[CaseRecord]) -> Option<String>
         ],
         notes,
     };
-    // 30 units are 7.5 pt at a picture width of 16 cm.
-    Some(map.with_text(30.0))
+    Some(map.svg())
 }
 
 /// The error of a run, and the larger share in it.

@@ -3,9 +3,11 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use fem::mesh::Mesh;
-use files::digits;
 use formula::{EvaluationPoint, Node, Program};
-use report::{Group, Ink, SceneSummary, Sketch, StepLimits, Stroke, Terms, equations};
+use report::{
+    Axis, Chart, Group, Ink, Part, Scale, SceneSummary, Series, Sketch, StepLimits, Stroke, Terms,
+    equations,
+};
 use scene::setup::{Subject, cell_regions, subject_bounds};
 use scene::{Body, ContactScene, Data, Expectation, Face, MeshFamily, Scene, Shape, Side};
 
@@ -102,40 +104,27 @@ const MESHES: [u32; 6] = [1, 2, 3, 4, 6, 8];
 /// Cells beyond which none are drawn: they would be smaller than a line.
 const MOST_CELLS: f64 = 65_536.0;
 
-/// The picture of a scene as SVG.
+/// The picture of a scene as SVG; empty if its solution has no value.
 pub fn scene_picture(scene: &Scene) -> String {
-    let sketch = match &scene.body {
-        Body::Abstract(problem) => over_time(scene, &problem.u),
-        Body::Contact(body) if body.domain.dimension() == 2 => plane(scene, body),
-        Body::Contact(body) => in_space(scene, body),
-    };
-    sketch.svg()
+    match &scene.body {
+        Body::Abstract(problem) => over_time(scene, &problem.u).unwrap_or_default(),
+        Body::Contact(body) if body.domain.dimension() == 2 => plane(scene, body).svg(),
+        Body::Contact(body) => in_space(scene, body).svg(),
+    }
 }
 
-fn over_time(scene: &Scene, u: &[Node]) -> Sketch {
-    let horizon = scene.time.horizon;
-    let mut sketch = Sketch { stretched: true, ..Sketch::default() };
-    let (mut low, mut high) = (0.0f64, 0.0f64);
-    for (i, &component) in u.iter().enumerate() {
+fn over_time(scene: &Scene, u: &[Node]) -> Option<String> {
+    let curve = |(i, &component): (usize, &Node)| {
         let at = |step: u32| {
-            let t = horizon * f64::from(step) / f64::from(CURVE);
+            let t = scene.time.horizon * f64::from(step) / f64::from(CURVE);
             let at = EvaluationPoint { t, ..EvaluationPoint::default() };
             (t, scene.formulas.evaluate(component, &at))
         };
-        let path: Vec<(f64, f64)> = (0..=CURVE).map(at).filter(|p| p.1.is_finite()).collect();
-        low = path.iter().fold(low, |low, p| low.min(p.1));
-        high = path.iter().fold(high, |high, p| high.max(p.1));
-        sketch.strokes.push(Stroke { ink: Ink::Curve(i), path });
-        sketch.legend.push((Ink::Curve(i), format!("u_{}", i + 1)));
-    }
-    let axis = |path| Stroke { ink: Ink::Thin, path };
-    sketch.strokes.push(axis(vec![(0.0, 0.0), (horizon, 0.0)]));
-    sketch.strokes.push(axis(vec![(0.0, low), (0.0, high)]));
-    for end in [low, high].into_iter().filter(|end| *end != 0.0) {
-        sketch.words.push(((-0.07 * horizon, end), digits(end, 3)));
-    }
-    sketch.legend.push((Ink::Thin, format!("t to {horizon}")));
-    sketch
+        Series::new(format!("u_{}", i + 1), vec![Part::Line((0..=CURVE).map(at).collect())])
+    };
+    let (x, y) = (Axis::new("time t", Scale::Linear), Axis::default());
+    let series = u.iter().enumerate().map(curve).collect();
+    Chart { series, small: true, ..Chart::new("", "", x, y) }.svg()
 }
 
 fn plane(scene: &Scene, body: &ContactScene) -> Sketch {

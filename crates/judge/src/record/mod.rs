@@ -16,9 +16,9 @@ use serde::{Deserialize, Serialize};
 pub use columns::COLUMNS;
 pub use journal::{CaseTable, Journal, read, read_finished, read_table, write_sorted};
 pub use norm::{
-    CONTACT_MEASURE_MAX, CONTACT_SET_MAX, L2_MAX, NORMS, PRESSURE_L2_MAX, STRESS_L2_MAX,
+    CONTACT_MEASURE_MAX, CONTACT_SET_MAX, L2_MAX, NORMS, Norm, PRESSURE_L2_MAX, STRESS_L2_MAX,
     TRACE_L2_MAX, V_MAX, V_PROJECTION_MAX, V_TIME_MAX, is_by_state, norm_label, norm_label_in_time,
-    norm_rank,
+    norm_rank, norm_symbol,
 };
 
 /// What identifies a case. `n` is absent for abstract scenes, which have no mesh.

@@ -21,34 +21,52 @@ pub const V_PROJECTION_MAX: &str = "V_projection_max";
 /// max over n of the measure of the points of Γ3 locked in only one of exact and discrete solution.
 pub const CONTACT_MEASURE_MAX: &str = "contact_measure_max";
 
-/// All norms of the contract in table order, with plot labels. Those of a contact state are errors on the part of Γ3
-/// where the exact solution is in that state.
-pub const NORMS: [(&str, &str); 20] = [
-    (V_MAX, "max ‖ε(u−u_h)‖"),
-    (L2_MAX, "max ‖u−u_h‖"),
-    (TRACE_L2_MAX, "max ‖u_ν−u_hν‖ on Γ3"),
-    (PRESSURE_L2_MAX, "max ‖p−p_h‖ on Γ3, p = ξ+λ"),
-    (STRESS_L2_MAX, "max ‖σ−σ_h‖"),
-    (CONTACT_SET_MAX, "max dist(locked sets)"),
-    (V_TIME_MAX, "max ‖ε(u_h−u_kh)‖, time only"),
-    (DISPLACEMENT_MAX, "max ‖U−U_k‖ in X, U = ∫u"),
-    (V_PROJECTION_MAX, "max ‖ε(P_h u−u_h)‖"),
-    ("trace_open_max", "max ‖u_ν−u_hν‖ where open"),
-    ("trace_rising_max", "max ‖u_ν−u_hν‖ where rising"),
-    ("trace_falling_max", "max ‖u_ν−u_hν‖ where falling"),
-    ("trace_jump_max", "max ‖u_ν−u_hν‖ where at a jump"),
-    ("trace_locked_max", "max ‖u_ν−u_hν‖ where locked"),
-    ("pressure_open_max", "max ‖p−p_h‖ where open"),
-    ("pressure_rising_max", "max ‖p−p_h‖ where rising"),
-    ("pressure_falling_max", "max ‖p−p_h‖ where falling"),
-    ("pressure_jump_max", "max ‖p−p_h‖ where at a jump"),
-    ("pressure_locked_max", "max ‖p−p_h‖ where locked"),
-    (CONTACT_MEASURE_MAX, "max |locked sets differ|"),
+/// A norm of the contract.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Norm {
+    pub name: &'static str,
+    /// In plots.
+    pub label: &'static str,
+    /// Where a label has no room.
+    pub symbol: &'static str,
+}
+
+/// All norms of the contract in table order, which also numbers their colours and markers. Those of a contact state are
+/// errors on the part of Γ3 where the exact solution is in that state.
+pub const NORMS: [Norm; 20] = [
+    norm(V_MAX, "max ‖ε(u−u_h)‖", "V"),
+    norm(L2_MAX, "max ‖u−u_h‖", "L²"),
+    norm(TRACE_L2_MAX, "max ‖u_ν−u_hν‖ on Γ3", "u_ν"),
+    norm(PRESSURE_L2_MAX, "max ‖p−p_h‖ on Γ3, p = ξ+λ", "ξ+λ"),
+    norm(STRESS_L2_MAX, "max ‖σ−σ_h‖", "σ"),
+    norm(CONTACT_SET_MAX, "max dist(locked sets)", "Γ3"),
+    norm(V_TIME_MAX, "max ‖ε(u_h−u_kh)‖, time only", "V in t"),
+    norm(DISPLACEMENT_MAX, "max ‖U−U_k‖ in X, U = ∫u", "U"),
+    norm(V_PROJECTION_MAX, "max ‖ε(P_h u−u_h)‖", "P_h"),
+    norm("trace_open_max", "max ‖u_ν−u_hν‖ where open", "u_ν open"),
+    norm("trace_rising_max", "max ‖u_ν−u_hν‖ where rising", "u_ν rising"),
+    norm("trace_falling_max", "max ‖u_ν−u_hν‖ where falling", "u_ν falling"),
+    norm("trace_jump_max", "max ‖u_ν−u_hν‖ where at a jump", "u_ν jump"),
+    norm("trace_locked_max", "max ‖u_ν−u_hν‖ where locked", "u_ν locked"),
+    norm("pressure_open_max", "max ‖p−p_h‖ where open", "ξ+λ open"),
+    norm("pressure_rising_max", "max ‖p−p_h‖ where rising", "ξ+λ rising"),
+    norm("pressure_falling_max", "max ‖p−p_h‖ where falling", "ξ+λ falling"),
+    norm("pressure_jump_max", "max ‖p−p_h‖ where at a jump", "ξ+λ jump"),
+    norm("pressure_locked_max", "max ‖p−p_h‖ where locked", "ξ+λ locked"),
+    norm(CONTACT_MEASURE_MAX, "max |locked sets differ|", "|Γ3|"),
 ];
+
+const fn norm(name: &'static str, label: &'static str, symbol: &'static str) -> Norm {
+    Norm { name, label, symbol }
+}
+
+fn known(norm: &str) -> Option<&'static Norm> {
+    NORMS.iter().find(|known| known.name == norm)
+}
 
 /// Position of a norm in tables; names outside the contract come after those within.
 pub fn norm_rank(norm: &str) -> usize {
-    NORMS.iter().position(|(name, _)| *name == norm).unwrap_or(NORMS.len())
+    NORMS.iter().position(|known| known.name == norm).unwrap_or(NORMS.len())
 }
 
 /// Whether a norm is split by contact state; plots leave these out.
@@ -58,7 +76,12 @@ pub fn is_by_state(norm: &str) -> bool {
 
 /// Label of a norm in plots; a name outside the contract stands for itself.
 pub fn norm_label(norm: &str) -> &str {
-    NORMS.iter().find(|(name, _)| *name == norm).map_or(norm, |(_, label)| label)
+    known(norm).map_or(norm, |known| known.label)
+}
+
+/// Symbol of a norm; a name outside the contract stands for itself.
+pub fn norm_symbol(norm: &str) -> &str {
+    known(norm).map_or(norm, |known| known.symbol)
 }
 
 /// Plot label for records without a mesh, where the V norm is that of X.
@@ -74,7 +97,7 @@ mod tests {
     fn foreign_norms_follow_and_label_themselves() {
         assert_eq!(norm_rank(V_MAX), 0);
         assert_eq!(norm_rank("mine"), NORMS.len());
-        let split = NORMS.iter().filter(|(norm, _)| is_by_state(norm)).count();
+        let split = NORMS.iter().filter(|norm| is_by_state(norm.name)).count();
         assert!(split == 11 && !is_by_state(V_TIME_MAX) && !is_by_state("mine"));
         assert!(is_by_state("trace_open_max") && is_by_state(CONTACT_MEASURE_MAX));
         assert_eq!(norm_label("mine"), "mine");

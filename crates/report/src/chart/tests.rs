@@ -58,25 +58,6 @@ fn letters_of_near_marks_stand_apart() {
     assert!(x("b") - x("a") >= 30.0, "{} {}", x("a"), x("b"));
 }
 
-/// Of labels that would stand on one another the first is drawn; a line of text apart, or beside, all are.
-#[test]
-fn labels_do_not_stand_on_one_another() {
-    let mut chart = envelope();
-    chart.labels = vec![
-        ((0.2, 1e-3), "first".into()),
-        ((0.21, 1.1e-3), "hidden".into()),
-        ((0.2, 3e-3), "above".into()),
-        ((0.6, 1e-3), "beside".into()),
-        // At the right edge words end there, whatever their points.
-        ((0.99, 1e-4), "at the edge".into()),
-        ((0.95, 1e-4), "hidden there".into()),
-    ];
-    let svg = svg(&chart);
-    let drawn = chart.labels.iter().filter(|(_, words)| svg.contains(&format!(">{words}<")));
-    let drawn: Vec<&str> = drawn.map(|(_, words)| words.as_str()).collect();
-    assert_eq!(drawn, ["first", "above", "beside", "at the edge"]);
-}
-
 #[test]
 fn a_line_is_interrupted_where_a_point_has_no_place() {
     let runs = |y: f64, scale: Scale| {
@@ -168,11 +149,4 @@ fn a_linear_axis_has_no_triangle() {
     chart.y.scale = Scale::Linear;
     assert!(chart.arranged().unwrap().1.is_empty());
     assert!(!svg(&chart).contains("triangle"));
-}
-
-#[test]
-fn text_breaks_at_blanks_and_says_if_it_is_cut() {
-    assert_eq!(wrapped("aa bb cc dd", 5, 2), ["aa bb", "cc dd"]);
-    assert_eq!(wrapped("aa bb cc dd", 5, 1), ["aa bb…"]);
-    assert!(wrapped("", 5, 1).is_empty());
 }

@@ -202,8 +202,8 @@ mod tests {
     fn every_sign_of_the_program_has_a_command() {
         let spelt = |c: char| escaped(&c.to_string()) != c.to_string();
         let known = |c: char| c.is_ascii() || spelt(c) || ('\u{c0}'..='\u{ff}').contains(&c);
-        for (_, label) in judge::record::NORMS {
-            assert!(label.chars().all(known), "{label}");
+        for norm in judge::record::NORMS {
+            assert!(norm.label.chars().all(known), "{norm:?}");
         }
         assert_eq!(escaped("a_b & 50 % {ε}"), "a\\_b \\& 50 \\% \\{$\\varepsilon$\\}");
         assert_eq!(escaped("≥ 1\n[2]"), "$\\geq$ 1; {[}2{]}");

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeSet;
 
-use crate::chart::wrapped;
+use crate::canvas;
 use crate::document::{Block, Equation, Run, Table};
 use files::counted;
 use judge::record::{CaseRecord, Status};
@@ -46,7 +46,7 @@ pub fn text_table(heads: &[&str], rows: &[Vec<String>], width: u16) -> String {
 /// Words beside a label of width `room`; later lines are aligned with the words.
 pub fn beside(label: &str, room: usize, words: &str, width: u16) -> String {
     let room = room.max(length(label));
-    let lines = wrapped(words, usize::from(width).saturating_sub(room).max(NARROWEST), usize::MAX);
+    let lines = wrapped(words, usize::from(width).saturating_sub(room).max(NARROWEST));
     let line = |(at, line): (usize, &String)| match at {
         0 => format!("{label:<room$}{line}"),
         _ => format!("{:<room$}{line}", ""),
@@ -84,6 +84,11 @@ impl Column {
     }
 }
 
+/// Words in lines of at most so many characters.
+fn wrapped(words: &str, width: usize) -> Vec<String> {
+    canvas::wrapped(words, |line| length(line) <= width)
+}
+
 fn length(text: &str) -> usize {
     text.chars().count()
 }
@@ -105,7 +110,7 @@ fn lines(cell: &str, room: usize) -> Vec<String> {
     for line in cell.lines() {
         match (length(line) > room, line.contains(' ')) {
             (false, _) => lines.push(line.to_owned()),
-            (true, true) => lines.extend(wrapped(line, room, usize::MAX)),
+            (true, true) => lines.extend(wrapped(line, room)),
             (true, false) => parts(line).for_each(|part| match lines.last_mut() {
                 Some(last) if length(last) + length(part) <= room => last.push_str(part),
                 _ => lines.push(part.to_owned()),
@@ -189,7 +194,7 @@ pub(super) fn table(table: &Table, width: u16) -> String {
 
 /// Wraps lines, at most at LONGEST for readability.
 fn paragraph(text: &str, width: u16) -> String {
-    wrapped(text, usize::from(width.min(LONGEST)), usize::MAX).join("\n")
+    wrapped(text, usize::from(width.min(LONGEST))).join("\n")
 }
 
 const LONGEST: u16 = 110;
@@ -267,7 +272,7 @@ fn reasons(verdicts: &[Verdict], width: usize) -> Vec<String> {
             group.iter().map(|verdict| format!("{} in {}", verdict.norm, verdict.variable.name()));
         let orders = orders.collect::<Vec<_>>().join(", ");
         let words = format!("{scene} {orders}: {}: {reason}", decision.name());
-        wrapped(&words, width.saturating_sub(4), usize::MAX).join("\n    ")
+        wrapped(&words, width.saturating_sub(4)).join("\n    ")
     };
     shared.map(words).collect()
 }
