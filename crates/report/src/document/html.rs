@@ -1,5 +1,6 @@
 //! The document as a page that holds its pictures, up to a number of scenes; a script only sorts tables.
 
+use super::terminal::VERDICT_HEADS;
 use super::{Block, Card, Document, Equation, Figure, Run, Section, Table, Tone, terminal};
 use crate::sheet;
 use crate::symbols::{escaped, scripts};
@@ -174,8 +175,10 @@ fn of_table(table: &Table) -> String {
         format!("<tr>{}</tr>\n", cells.iter().enumerate().map(cell).collect::<String>())
     };
     let rows: String = table.rows.iter().map(row).collect();
+    // A narrow window sets the cells of a verdict below each other.
+    let kind = if table.head == VERDICT_HEADS { " class=\"verdicts\"" } else { "" };
     let rows = format!(
-        "<div class=\"scroll\" tabindex=\"0\"><table aria-label=\"{}\">\n\
+        "<div class=\"scroll\" tabindex=\"0\"><table{kind} aria-label=\"{}\">\n\
          <thead><tr>{head}</tr></thead>\n<tbody>\n{rows}</tbody>\n</table></div>\n",
         escaped(&table.caption),
     );
