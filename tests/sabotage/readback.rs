@@ -64,7 +64,7 @@ pub fn misread(defect: &Defect) -> Vec<(String, String)> {
     let scene = |name: &str| SceneSummary { name: name.into(), ..SceneSummary::default() };
     let scenes = SCENES.map(|(name, ..)| scene(name));
     let nothing = Value::Null;
-    write_all(&dir, &scenes, &records, &verdicts, &nothing, None).expect("a report");
+    write_all(&dir, &scenes, &records, &verdicts, &nothing, None, None).expect("a report");
     write_junit(&dir.join("junit.xml"), &verdicts, &nothing, None).expect("JUnit");
     let read = read_back(&dir, &sound);
     std::fs::remove_dir_all(&dir).expect("the report");
@@ -414,10 +414,11 @@ fn convergence(svg: &str, verdict: &Verdict) -> Result<(), String> {
         Variable::H => point.h,
         _ => point.k,
     };
-    // Beyond the frame is the legend.
+    // Below the frame is the legend.
+    let bottom = lines.iter().flatten().map(|place| place.1).fold(0.0, f64::max);
     let discs = picture.paths(BLUE, "22", "none", false);
     let markers: Vec<Place> =
-        discs.iter().map(|disc| disc[0]).filter(|place| place.0 < 1140.0).collect();
+        discs.iter().map(|disc| disc[0]).filter(|place| place.1 < bottom).collect();
     if markers.len() != verdict.points_used.len() {
         return Err(format!("{} markers of {} points", markers.len(), verdict.points_used.len()));
     }
@@ -438,7 +439,7 @@ fn convergence(svg: &str, verdict: &Verdict) -> Result<(), String> {
     let allowed =
         |a: Place, b: Place| 2.0 * PIXEL / decade[1].abs() / ((b.0 - a.0) / decade[0]).abs();
     let strokes = picture.strokes(BLUE, "4");
-    let inside = |line: &&Vec<Place>| line.iter().all(|place| place.0 < 1140.0);
+    let inside = |line: &&Vec<Place>| line.iter().all(|place| place.1 < bottom);
     let line = strokes.iter().filter(inside).find(|line| line.len() == verdict.points_used.len());
     let line = line.ok_or("no line through the points")?;
     let near = |a: &Place, b: &Place| (a.0 - b.0).abs() <= PIXEL && (a.1 - b.1).abs() <= PIXEL;

@@ -106,6 +106,27 @@ fn a_report_is_whole_and_the_same_twice() {
     }
 }
 
+/// Why a solver is wrong stands before what is judged of it, and is read back.
+#[test]
+fn a_cause_is_said_first_and_kept() {
+    let dir = std::env::temp_dir().join(format!("gronwall-cause-{}", std::process::id()));
+    let records = example("s");
+    let cause = Cause {
+        cause: "memory".into(),
+        says: "the memory is summed by the left-hand rule".into(),
+        numbers: "n = 4: 4e-2 is left".into(),
+        fits: false,
+    };
+    let run = serde_json::json!({ "run": { "options": "verify" } });
+    let verdicts = verdicts("s", &records);
+    write_all(&dir, &[], &records, &verdicts, &run, None, Some(&cause)).unwrap();
+    let page = fs::read_to_string(dir.join("index.html")).unwrap();
+    let at = |words: &str| page.find(words).expect(words);
+    assert!(at("perhaps the memory is summed") < at("Predicted and observed orders"));
+    assert_eq!(judge::verdict::read_earlier(&dir.join("verdict.json")).unwrap().cause, Some(cause));
+    fs::remove_dir_all(&dir).unwrap();
+}
+
 #[test]
 fn nothing_to_draw_draws_nothing() {
     let scene = SceneSummary { name: "empty".into(), ..SceneSummary::default() };
