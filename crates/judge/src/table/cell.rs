@@ -35,7 +35,7 @@ pub(super) fn number(cell: &str) -> Option<Number> {
     }
     // Words are many: nothing but `nan` and `inf` begins with a letter.
     let first = cell.trim_start_matches([' ', '$', '`', '*', '{']).chars().next()?;
-    if first.is_alphabetic() && !"nNiIπTL".contains(first) {
+    if first.is_alphabetic() && !"nNiIπ".contains(first) {
         return None;
     }
     let mut text = cell.trim().trim_matches(['$', '`']).replace("\\%", "%");
@@ -51,8 +51,7 @@ pub(super) fn number(cell: &str) -> Option<Number> {
     for times in ["×10^", "x10^", "*10^"] {
         text = text.replace(times, "e");
     }
-    let bare = text.trim();
-    let text = bare;
+    let text = text.trim();
     // `1.28e-2 (2.00)`: a rate stands behind, or a deviation.
     for behind in [" (", " [", "(-)", "±", "+/-"] {
         if let Some((value, _)) = text.split_once(behind).filter(|(v, _)| !v.trim().is_empty()) {
@@ -68,10 +67,6 @@ pub(super) fn number(cell: &str) -> Option<Number> {
     {
         return number(value);
     }
-    // Of a whole called T or L the size of a part is asked for.
-    let text = text.strip_prefix(['T', 'L']).filter(|part| part.starts_with('/'));
-    let text = text.map_or(bare.to_owned(), |part| format!("1{part}"));
-    let text = text.as_str();
     if !text.starts_with(|c: char| c.is_ascii_digit() || "+-.π".contains(c)) {
         return text.parse().ok().and_then(|value| plain(value, Comma::None));
     }
@@ -84,14 +79,8 @@ pub(super) fn number(cell: &str) -> Option<Number> {
         None => text.trim().parse::<f64>().ok(),
     };
     let fortran = text.replace(['d', 'D'], "e");
-    if let Some(value) = float(text).or_else(|| float(&fortran)).or_else(|| wide_exponent(text)) {
+    if let Some(value) = float(text).or_else(|| float(&fortran)) {
         return plain(value, Comma::None);
-    }
-    // Older papers set 1.2E-3 as `1.2(-3)`.
-    if let Some((digits, exponent)) = text.strip_suffix(')').and_then(|t| t.split_once('('))
-        && exponent.starts_with(['+', '-'])
-    {
-        return float(&format!("{digits}e{exponent}")).and_then(|value| plain(value, Comma::None));
     }
     if let Some((a, b)) = text.split_once('/') {
         return float(a).zip(float(b)).and_then(|(a, b)| plain(a / b, Comma::None));
@@ -140,14 +129,6 @@ pub(super) fn sides<'a>(cells: impl Iterator<Item = &'a str>) -> Option<Vec<f64>
         (same && ["2", "3"].contains(&exponent)).then(|| side.parse().ok())?
     };
     cells.map(side).collect()
-}
-
-/// Fortran prints 1.5E-103 as `1.5-103`.
-fn wide_exponent(text: &str) -> Option<f64> {
-    let at = text.rfind(['+', '-']).filter(|&at| at > 0 && text.len() - at == 4)?;
-    let (digits, exponent) = text.split_at(at);
-    let whole = digits.contains('.') && digits.ends_with(|c: char| c.is_ascii_digit() || c == '.');
-    whole.then(|| format!("{digits}e{exponent}").parse().ok())?
 }
 
 fn commas(text: &str) -> Option<(f64, Comma)> {

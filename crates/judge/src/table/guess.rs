@@ -206,7 +206,7 @@ fn falls_like_a_power(steps: &[f64], errors: &[f64]) -> bool {
     let pairs = || pairs.clone().map(|(h, e)| (h[0] - h[1], e[0] - e[1], e[0].min(e[1])));
     let forward = pairs().map(|(h, ..)| h.signum()).sum::<f64>();
     let ladders = 1 + pairs().filter(|(h, ..)| h * forward <= 0.0).count();
-    let along = || pairs().filter(|(h, _, least)| h * forward > 0.0 && !(*least < ROUNDING.ln()));
+    let along = || pairs().filter(|(h, _, least)| h * forward > 0.0 && *least >= ROUNDING.ln());
     let orders: Vec<f64> = along().map(|(h, e, _)| e / h).collect();
     let most = orders.iter().copied().fold(0.0, f64::max);
     let least = orders.iter().copied().fold(f64::MAX, f64::min);
@@ -215,7 +215,7 @@ fn falls_like_a_power(steps: &[f64], errors: &[f64]) -> bool {
     let clear = least > 0.0 && fall > CLEAR_FALL.ln() * ladders as f64;
     // `dx^2` is no error, nor is what is above 1 where no name says so.
     let power = |(h, e): (&f64, &f64)| (e - h * most).abs() < POWERS_OFF;
-    let sound = errors.iter().all(|error| !(*error >= 0.0)) && most < ORDERS.end;
+    let sound = errors.iter().all(|error| error.is_nan() || *error < 0.0) && most < ORDERS.end;
     orders.len() > 1 && sound && (steady || clear) && !steps.iter().zip(errors).all(power)
 }
 

@@ -278,14 +278,8 @@ pub(super) fn plain(text: &str) -> String {
     let mut out: Vec<String> = Vec::new();
     // The line on which the row begins whose cells are read.
     let mut row = None;
-    // `0:` before each line is the number of a process.
-    let mut first = text.lines().filter_map(|line| line.split_whitespace().next());
-    let counted =
-        |word: &&str| word.strip_suffix(':').is_some_and(|number| number.parse::<u32>().is_ok());
-    let tag = first.next().filter(counted).filter(|tag| first.clone().all(|word| word == *tag));
-    let tag = tag.filter(|_| first.next().is_some());
     let rows = if html { text.replace("</tr><tr", "</tr>\n<tr") } else { text.into() };
-    for line in rows.split('\n').map(|line| message(line, tag)) {
+    for line in rows.split('\n').map(message) {
         let line = line.trim_start().strip_prefix(":header:").unwrap_or(line);
         let bare = line.trim();
         let cell = bare.strip_prefix("- ").or((bare == "-").then_some(""));
@@ -315,7 +309,7 @@ pub(super) fn plain(text: &str) -> String {
 }
 
 /// The line of a log without the time, the program and the process before it.
-fn message<'a>(line: &'a str, tag: Option<&str>) -> &'a str {
+fn message(line: &str) -> &str {
     let mut line = line;
     let (mut bare, mut timed) = (line.trim_start(), false);
     while let Some((word, rest)) = bare.split_once(' ') {
@@ -334,7 +328,6 @@ fn message<'a>(line: &'a str, tag: Option<&str>) -> &'a str {
                 && (!tag.trim().contains(' ') || tag.contains(char::is_alphabetic))
         });
         bare = match bracketed {
-            _ if Some(word) == tag => rest,
             Some((_, behind)) => behind,
             None if time(word) || level() && timed => rest,
             None if bare.starts_with("[ Info:") => rest,

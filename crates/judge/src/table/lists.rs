@@ -243,7 +243,7 @@ fn scan(text: &str) -> Vec<List> {
         }
         scan.open = tokens.last() == Some(&Token::Equal) && scan.list.is_none();
         let goes_on = matches!(tokens.last(), Some(Token::Part(_) | Token::Word("..." | "and")));
-        if !scan.open && !(goes_on || scan.depth > 0 && !tokens.is_empty()) {
+        if !(scan.open || goes_on || scan.depth > 0 && !tokens.is_empty()) {
             scan.close();
             (scan.assigned, scan.depth, scan.barred) = (false, 0, 0);
             scan.name.clear();

@@ -211,14 +211,9 @@ fn records_of(lines: &[(u64, &str)], begins: Records) -> Option<Block> {
     // `(h = 1/32, 1/64)` in one line is a remark.
     let any = lines.iter().filter(|(_, pairs)| sized(pairs)).count() > 1;
     let mut records: Vec<Record> = Vec::new();
-    let mut heading = None;
-    for (line, mut pairs) in lines {
+    for (line, pairs) in lines {
         if begins == Records::Lines {
-            // `p = 2` alone stands above the records that it holds for.
-            if pairs.len() == 1 && role(&pairs[0].0) == Role::Parameter {
-                heading = pairs.pop();
-            } else if pairs.len() > 1 && sized(&pairs) == any {
-                pairs.extend(heading.clone());
+            if pairs.len() > 1 && sized(&pairs) == any {
                 records.push((line, pairs));
             }
             continue;
