@@ -1,6 +1,6 @@
 //! Tables as people have them: lines are made plain and cut into cells (`line`), rows that agree make a block (`text`) with the names
-//! above it (`names`), what stands in no rows is gathered (`loose`), sizes and errors are found among the columns by their names and
-//! numbers (`columns`, `cell`), and rows become groups (`read`, `group`). What is guessed is said.
+//! above it (`names`), lists and records of a log are gathered (`lists`, `loose`), sizes and errors are found among the columns by their
+//! names and numbers (`columns`, `sizes`, `guess`, `cell`), and rows become groups (`read`, `group`). What is guessed is said.
 
 mod cell;
 mod columns;
