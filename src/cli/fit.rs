@@ -68,7 +68,7 @@ pub(crate) struct Fit {
     /// Allow a factor |log h|^M in the error, or |log k|^M if the table has no h
     #[arg(long, value_name = "M", default_value_t = 0.0, allow_hyphen_values = true)]
     log: f64,
-    /// Relative standard deviation of the errors if it is known, such as 0.01 for 1 %
+    /// What the relative standard deviation of the errors is at most, such as 0.01 for 1 %
     #[arg(long, value_name = "S", allow_hyphen_values = true)]
     noise: Option<f64>,
     /// The errors are measured against a run of step H in place of an exact solution; 0 says that the solution is exact. In k

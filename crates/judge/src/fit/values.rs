@@ -4,17 +4,23 @@
 //! Divided by (1 − r^{−p})/p that is an error of order p at h. For differing ratios the factor depends on the order,
 //! which is iterated.
 
-use super::inference::{FEWEST, Known, Posterior, infer};
+use std::f64::consts::SQRT_2;
+
+use super::inference::{FEWEST, Known, Posterior, infer, up_to};
 use super::{FitError, LARGEST_SIGMA, Level, LevelError, ValueSample, deviation};
 
 /// Differences below so many units in the last place are rounding.
 const ROUNDING: f64 = 16.0 * f64::EPSILON;
+/// The least noise of values that is thought of, and the largest that is sought where a smaller one is told: differences of
+/// a millionth of the values show an order, and their own noise is not below 0.0005.
+const NOISES: [f64; 2] = [1e-10, 0.1];
 /// Each pass leaves less than a tenth of the previous change.
 const PASSES: usize = 6;
 /// Orders this close count as equal: a tenth of what is printed.
 const SETTLED: f64 = 1e-4;
 
-/// Order of at least four values, coarse to fine. `noise`: relative standard deviation of the values, if known.
+/// Order of at least four values, coarse to fine. `noise`: what their relative standard deviation
+/// is at most, if known.
 ///
 /// # Errors
 /// [`FitError::TooFew`] below four values, [`FitError::SignChange`] where they oscillate, and those of [`infer`].
@@ -28,6 +34,17 @@ pub fn infer_values(samples: &[ValueSample], noise: Option<f64>) -> Result<Poste
     if let Some(at) = differences.windows(2).position(|pair| pair[0] * pair[1] < 0.0) {
         return Err(FitError::SignChange { step: samples[at + 1].step });
     }
+    let Some(noise) = noise else { return infer_at(samples, &differences, None) };
+    up_to(noise, NOISES, |noise| Ok([infer_at(samples, &differences, Some(noise))?]))
+        .map(|[found]| found)
+}
+
+/// The same where the noise is just what is told.
+fn infer_at(
+    samples: &[ValueSample],
+    differences: &[f64],
+    noise: Option<f64>,
+) -> Result<Posterior, FitError> {
     let level = |(pair, difference): (&[ValueSample], &f64), order: f64| {
         let refinement = (pair[0].step / pair[1].step).ln();
         let factor = match order * refinement {
@@ -36,7 +53,7 @@ pub fn infer_values(samples: &[ValueSample], noise: Option<f64>) -> Result<Poste
         };
         let size = pair[0].value.abs().max(pair[1].value.abs());
         // A difference has the noise of two values.
-        let sigma = noise.map(|noise| 2f64.sqrt() * noise * size / difference.abs());
+        let sigma = noise.map(|noise| SQRT_2 * noise * size / difference.abs());
         let level = Level::new(pair[0].step, difference.abs() / factor)?
             .with_floor(ROUNDING * size / factor)?;
         // A difference that the noise exceeds by far says as little as one that it exceeds ten times.
@@ -45,7 +62,7 @@ pub fn infer_values(samples: &[ValueSample], noise: Option<f64>) -> Result<Poste
     let mut order = 1.0;
     let mut passes = 0;
     loop {
-        let pairs = samples.windows(2).zip(&differences);
+        let pairs = samples.windows(2).zip(differences);
         let levels = pairs.map(|pair| level(pair, order));
         let levels = levels.collect::<Result<Vec<Level>, LevelError>>()?;
         let posterior = infer(&levels, &Known { differences: true, ..Known::EXACT })?;

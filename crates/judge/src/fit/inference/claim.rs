@@ -130,6 +130,10 @@ enum Answer {
 impl Posterior {
     /// Judges a claim; unresolved where the data do not decide.
     pub fn decide(&self, claim: &Claim) -> Ruling {
+        self.agreed(|posterior| posterior.ruling(claim))
+    }
+
+    fn ruling(&self, claim: &Claim) -> Ruling {
         let (answer, mixture) = self.answer(claim);
         let doubts = &self.doubts;
         let doubt = match answer {

@@ -7,7 +7,7 @@
 mod pairs;
 
 use super::mixture::Mixture;
-use super::{Doubts, Interval, LEAST_NOISE, Posterior, Trend};
+use super::{Doubts, Interval, NOISES, Posterior, Trend, up_to};
 use crate::fit::identifiable::{LEVELS, check_levels};
 use crate::fit::level::{deviation, foreign, is_step};
 use crate::fit::{NotIdentifiable, Point, joint_fits, screen};
@@ -32,13 +32,21 @@ pub struct GridPosterior {
     pub order_k: Posterior,
 }
 
-/// Posterior over all pairs of orders. `noise`: relative standard deviation of the errors, if known.
+/// Posterior over all pairs of orders. `noise`: what the relative standard deviation of the errors is at most, if known.
 ///
 /// # Errors
 /// [`NotIdentifiable`] where the points do not determine two orders.
 pub fn infer_grid(points: &[Point], noise: Option<f64>) -> Result<GridPosterior, NotIdentifiable> {
     let noise = noise.map(deviation).transpose().map_err(NotIdentifiable::refused)?;
-    let noises = noise.map_or(NOISE.to_vec(), |noise| vec![(noise.max(LEAST_NOISE), 1.0)]);
+    let [order_h, order_k] = match noise {
+        Some(noise) => up_to(noise, NOISES, |noise| infer_at(points, &[(noise, 1.0)])),
+        None => infer_at(points, &NOISE),
+    }?;
+    Ok(GridPosterior { order_h, order_k })
+}
+
+/// The orders in h and k by noises with weights.
+fn infer_at(points: &[Point], noises: &[(f64, f64)]) -> Result<[Posterior; 2], NotIdentifiable> {
     let there = points.iter().filter(|p| is_step(p.h) && is_step(p.k));
     let (usable, left_out): (Vec<Point>, Vec<Point>) =
         there.copied().partition(|p| screen(p).is_ok());
@@ -48,7 +56,7 @@ pub fn infer_grid(points: &[Point], noise: Option<f64>) -> Result<GridPosterior,
     check_levels(&usable, PARAMETERS, LEVELS)?;
     let mut evidence = vec![f64::NEG_INFINITY; ORDERS * ORDERS];
     for (model, prior) in MODELS {
-        PairSums::new(&usable, model).add(prior.ln(), &noises, &mut evidence);
+        PairSums::new(&usable, model).add(prior.ln(), noises, &mut evidence);
     }
     let largest = evidence.iter().copied().fold(f64::NEG_INFINITY, f64::max);
     if !largest.is_finite() {
@@ -56,13 +64,14 @@ pub fn infer_grid(points: &[Point], noise: Option<f64>) -> Result<GridPosterior,
     }
     let weights: Vec<f64> = evidence.iter().map(|log| (log - largest).exp()).collect();
     let unexplained = unexplained(&left_out, points);
+    let evidence = largest + weights.iter().sum::<f64>().ln();
     let of = |sum: &dyn Fn(usize) -> f64| {
         let unexplained = unexplained.clone();
-        Posterior { unexplained, ..marginal((0..ORDERS).map(sum).collect()) }
+        Posterior { evidence, unexplained, ..marginal((0..ORDERS).map(sum).collect()) }
     };
     let order_h = of(&|i| weights[i * ORDERS..(i + 1) * ORDERS].iter().sum());
     let order_k = of(&|j| (0..ORDERS).map(|i| weights[i * ORDERS + j]).sum());
-    Ok(GridPosterior { order_h, order_k })
+    Ok([order_h, order_k])
 }
 
 /// The first point left out that the better of the two models by least squares does not explain.
@@ -97,6 +106,8 @@ fn marginal(weights: Vec<f64>) -> Posterior {
         floored: Mixture::from_parts(Vec::new()),
         all,
         floor: 0.0,
+        evidence: f64::NEG_INFINITY,
+        less: Vec::new(),
         unexplained: None,
         doubts: Doubts { always: last.then(|| BEYOND.to_owned()), ..Doubts::default() },
         trend: Trend::default(),

@@ -13,6 +13,7 @@ mod grid;
 mod mixture;
 mod next_term;
 mod to_zero;
+mod told;
 
 use super::level::{deviation, unexplained};
 use super::richardson::{Triple, ValueSample};
@@ -26,6 +27,7 @@ mod tests;
 
 pub use claim::{Claim, ClaimError, Ruling, TOLERANCE};
 pub use grid::{GridPosterior, infer_grid};
+pub(super) use told::up_to;
 
 /// An order needs so many levels.
 pub const FEWEST: usize = 3;
@@ -41,6 +43,7 @@ const NOISE: [(f64, f64); 7] = [
 ];
 const LEAST_NOISE: f64 = 0.0005;
 const LARGEST_NOISE: f64 = 0.3;
+const NOISES: [f64; 2] = [LEAST_NOISE, LARGEST_NOISE];
 /// Prior of dropping so many coarse levels; halved for each further one.
 const COARSE: [f64; 6] = [0.6, 0.2, 0.1, 0.05, 0.03, 0.02];
 /// Prior of dropping so many fine levels; the last for any more.
@@ -119,6 +122,10 @@ pub struct Posterior {
     sound: Mixture,
     floored: Mixture,
     floor: f64,
+    /// Logarithm of the evidence of all readings.
+    evidence: f64,
+    /// The same for smaller noises, where the noise is told.
+    less: Vec<Self>,
     /// A level left out that the others do not explain, in words: nothing is confirmed then.
     unexplained: Option<String>,
     doubts: Doubts,
@@ -173,7 +180,7 @@ impl LineReading {
 /// What is known of the errors of a table besides their sizes.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Known {
-    /// Relative standard deviation of the errors.
+    /// What the relative standard deviation of the errors is at most.
     pub noise: Option<f64>,
     /// Power M of a factor |log h|^M.
     pub log: f64,
@@ -215,6 +222,17 @@ pub fn order(table: &[(f64, f64)]) -> Result<Posterior, FitError> {
 /// [`FitError::TooFew`] below three levels, [`FitError::RepeatedStep`], [`FitError::Level`] for a noise that is none,
 /// [`FitError::Log`], [`FitError::NoLogarithm`] with a factor |log h|^M, [`FitError::Reference`].
 pub fn infer(levels: &[Level], known: &Known) -> Result<Posterior, FitError> {
+    match known.noise {
+        Some(noise) if levels.iter().any(|level| level.sigma().is_none()) => {
+            let of = |noise| infer_at(levels, &Known { noise: Some(noise), ..*known });
+            up_to(deviation(noise)?, NOISES, |noise| Ok([of(noise)?])).map(|[found]| found)
+        }
+        _ => infer_at(levels, known),
+    }
+}
+
+/// The same where the noise is just what is told.
+fn infer_at(levels: &[Level], known: &Known) -> Result<Posterior, FitError> {
     let Known { noise, log, reference, differences } = *known;
     let (mut serving, left_out): (Vec<Level>, Vec<Level>) =
         levels.iter().partition(|level| level.screened().is_ok());
@@ -233,6 +251,7 @@ pub fn infer(levels: &[Level], known: &Known) -> Result<Posterior, FitError> {
             forms.concat()
         }
     };
+    let likeliest = largest(&parts);
     let parts = weighed(parts);
     let [sound, floored] =
         [false, true].map(|with_floor| Mixture::of(&parts, |part| part.floored == with_floor));
@@ -274,6 +293,8 @@ pub fn infer(levels: &[Level], known: &Known) -> Result<Posterior, FitError> {
             told_noise: table.told_noise(),
             may_have_a_reference: reference.is_none(),
         },
+        evidence: likeliest + all.weight.ln(),
+        less: Vec::new(),
         all,
         wary,
         wide,

@@ -18,6 +18,10 @@ const FLOORED: f64 = 0.5;
 impl Posterior {
     /// Whether the errors tend to zero; unresolved where their trend does not tell.
     pub fn tends_to_zero(&self) -> Ruling {
+        self.agreed(Self::trend_to_zero)
+    }
+
+    fn trend_to_zero(&self) -> Ruling {
         let falls = 1.0 - self.below(NOTHING);
         let left = self.trend.left;
         let (decision, why) = match left {
