@@ -30,6 +30,9 @@ pub(super) const NOTHING: f64 = 0.05;
 /// How far, in tolerances, the order of the differences of three errors may lie below the claim: less than a quarter of an
 /// order by the default.
 const DIFFERENCES: f64 = 1.6;
+/// Two slopes refute an order from so far below on, where the last is taken to change as much again: half an order, by which
+/// theorems differ, less a tenth for what the change leaves out. A floor that scatters feigns less.
+const FAR_BELOW: f64 = 0.4;
 /// Slopes that rise by this factor are not those of a power.
 const STEEP: f64 = 1.5;
 /// Below the first probability a floor is ignored; above the second it is the likelier reading.
@@ -221,8 +224,13 @@ impl Posterior {
         }
     }
 
-    /// Whether the order is too low also if floors that scatter are likelier.
+    /// Whether the order is too low also if floors that scatter are likelier, and of two slopes far too low.
     fn refuted_beside_floors(&self, claim: &Claim) -> bool {
+        if let [first, last] = self.slopes[..]
+            && claim.order - (2.0 * last - first) < FAR_BELOW
+        {
+            return false;
+        }
         let below = |wary: &Mixture| wary.below(claim.order - claim.clear_miss());
         self.wary.as_ref().is_none_or(|wary| below(wary) > REFUTED)
     }

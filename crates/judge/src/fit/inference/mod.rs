@@ -61,9 +61,9 @@ const SCATTER: f64 = 0.5;
 const BESIDE_SCATTER: [(f64, f64); 2] = [(0.001, 0.75), (0.01, 0.2)];
 /// Errors that fall by more than this factor e^x are in no floor: three deviations of the ratio of two.
 const FALLEN: f64 = 2.1;
-/// Before four and more levels refute a claim, a floor that scatters is so many times likelier than by its prior. Of three
-/// levels this would leave open every sixth claim that is half an order too high.
-const WARY: f64 = 10.0;
+/// Before four and more levels refute a claim, a floor that scatters is so many times likelier than by its prior. It leaves
+/// open every twelfth claim on four levels that is half an order too high, and next to none on five.
+const WARY: f64 = 100.0;
 /// Two slopes do not show that a next term changes the sign: their interval has it so many times likelier.
 const CROSSING_OF_THREE: f64 = 4.0;
 /// A floor that scatters, by three deviations where it begins, hides or feigns so much of the fall before it. It may be ten
