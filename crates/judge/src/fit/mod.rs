@@ -35,8 +35,8 @@ use error::power_of_log;
 pub use further::{Further, plain};
 pub use identifiable::NotIdentifiable;
 pub use inference::{
-    Claim, ClaimError, FEWEST, GridPosterior, Known, LineReading, Posterior, Ruling, TOLERANCE,
-    infer, infer_grid, order,
+    Claim, ClaimError, FEWEST, GridPosterior, Known, Posterior, Ruling, TOLERANCE, infer_grid,
+    told::{LineReading, infer, order},
 };
 pub use interval::Interval;
 pub use joint::{JointFits, LARGEST_OTHER_SHARE, fit_constants, joint_fits};

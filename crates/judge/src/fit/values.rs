@@ -6,7 +6,8 @@
 
 use std::f64::consts::SQRT_2;
 
-use super::inference::{FEWEST, Known, Posterior, infer, up_to};
+use super::inference::told::{infer, up_to};
+use super::inference::{FEWEST, Known, Posterior};
 use super::{FitError, LARGEST_SIGMA, Level, LevelError, ValueSample, deviation};
 
 /// Differences below so many units in the last place are rounding.

@@ -1,5 +1,7 @@
 //! A claimed order against what a table says of it.
 
+use std::cmp::Ordering;
+
 use super::{FEWEST, Mixture, Posterior, SAME};
 use crate::fit::{Decision, FitError, power_of_log};
 
@@ -131,6 +133,20 @@ enum Answer {
 }
 
 impl Posterior {
+    /// The ruling that holds for every noise up to the one that is told: of the least sure one, and open where they differ.
+    pub(super) fn agreed(&self, of: impl Fn(&Self) -> Ruling) -> Ruling {
+        let mut all: Vec<Ruling> = self.less.iter().chain([self]).map(of).collect();
+        let differ = all.iter().any(|ruling| ruling.decision != all[0].decision);
+        let sure = |r: &Ruling| (r.decision != Decision::Unresolved, r.too_high, r.probability);
+        all.sort_by(|a, b| sure(a).partial_cmp(&sure(b)).unwrap_or(Ordering::Equal));
+        let least = all.swap_remove(0);
+        if !differ {
+            return least;
+        }
+        let reason = format!("{}, for a noise up to the one told", least.reason);
+        Ruling { decision: Decision::Unresolved, reason, ..least }
+    }
+
     /// Judges a claim; unresolved where the data do not decide.
     pub fn decide(&self, claim: &Claim) -> Ruling {
         self.agreed(|posterior| posterior.ruling(claim))

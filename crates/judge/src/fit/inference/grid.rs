@@ -7,7 +7,8 @@
 mod pairs;
 
 use super::mixture::Mixture;
-use super::{Doubts, Interval, NOISES, Posterior, Trend, up_to};
+use super::told::up_to;
+use super::{Doubts, Interval, NOISES, Posterior, Trend};
 use crate::fit::identifiable::{LEVELS, check_levels};
 use crate::fit::level::{deviation, foreign, is_step};
 use crate::fit::{NotIdentifiable, Point, joint_fits, screen};

@@ -13,11 +13,11 @@ mod grid;
 mod mixture;
 mod next_term;
 mod to_zero;
-mod told;
+pub(super) mod told;
 
 use super::level::{deviation, unexplained};
 use super::richardson::{Triple, ValueSample};
-use super::{Direction, FitError, Interval, Level, Point, Sample, power_of_log, samples, screen};
+use super::{FitError, Interval, Level, power_of_log};
 use evidence::{Base, Component, Gram, Noise, Row};
 use mixture::{Mixture, Part};
 use next_term::{Family, Node, Terms, runs};
@@ -27,7 +27,6 @@ mod tests;
 
 pub use claim::{Claim, ClaimError, Ruling, TOLERANCE};
 pub use grid::{GridPosterior, infer_grid};
-pub(super) use told::up_to;
 
 /// An order needs so many levels.
 pub const FEWEST: usize = 3;
@@ -149,34 +148,6 @@ struct Trend {
     may_have_a_reference: bool,
 }
 
-/// The levels of a line that serve, and what they say of the order.
-#[derive(Debug, Clone)]
-pub struct LineReading {
-    pub samples: Vec<Sample>,
-    pub posterior: Posterior,
-}
-
-impl LineReading {
-    /// Reads points with the relative standard deviations of their errors, if known; see [`infer`]. Points without a step
-    /// in this direction do not count.
-    pub fn of(
-        measured: &[(Point, Option<f64>)],
-        direction: Direction,
-        known: &Known,
-    ) -> Result<Self, FitError> {
-        let there = measured.iter().filter(|(point, _)| !direction.step(point).is_nan());
-        let levels = there.map(|(point, sigma)| {
-            // Of a level that is left out, the deviation may be none: a share of nothing.
-            let sigma = sigma.filter(|_| screen(point).is_ok());
-            Level::of(point, direction, sigma)
-        });
-        let levels = levels.collect::<Result<Vec<_>, _>>()?;
-        let posterior = infer(&levels, known)?;
-        let points: Vec<Point> = measured.iter().map(|(point, _)| *point).collect();
-        Ok(Self { samples: samples(&points, direction)?, posterior })
-    }
-}
-
 /// What is known of the errors of a table besides their sizes.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Known {
@@ -209,29 +180,7 @@ impl Known {
     }
 }
 
-/// Order of a table of steps h and errors e.
-pub fn order(table: &[(f64, f64)]) -> Result<Posterior, FitError> {
-    let levels = table.iter().map(|&(h, error)| Level::new(h, error));
-    infer(&levels.collect::<Result<Vec<_>, _>>()?, &Known::default())
-}
-
-/// Posterior of the order. Levels in any order, each once; levels near their floors, and errors of exactly 0, are left
-/// out, and confirm nothing if the others do not explain them.
-///
-/// # Errors
-/// [`FitError::TooFew`] below three levels, [`FitError::RepeatedStep`], [`FitError::Level`] for a noise that is none,
-/// [`FitError::Log`], [`FitError::NoLogarithm`] with a factor |log h|^M, [`FitError::Reference`].
-pub fn infer(levels: &[Level], known: &Known) -> Result<Posterior, FitError> {
-    match known.noise {
-        Some(noise) if levels.iter().any(|level| level.sigma().is_none()) => {
-            let of = |noise| infer_at(levels, &Known { noise: Some(noise), ..*known });
-            up_to(deviation(noise)?, NOISES, |noise| Ok([of(noise)?])).map(|[found]| found)
-        }
-        _ => infer_at(levels, known),
-    }
-}
-
-/// The same where the noise is just what is told.
+/// Posterior of the order where the noise is just what is told.
 fn infer_at(levels: &[Level], known: &Known) -> Result<Posterior, FitError> {
     let Known { noise, log, reference, differences } = *known;
     let (mut serving, left_out): (Vec<Level>, Vec<Level>) =

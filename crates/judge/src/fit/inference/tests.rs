@@ -7,7 +7,8 @@ use std::cell::RefCell;
 use std::collections::HashMap;
 use std::rc::Rc;
 
-use super::{Claim, ClaimError, Known, Posterior, TOLERANCE, infer, infer_grid};
+use super::told::infer;
+use super::{Claim, ClaimError, Known, Posterior, TOLERANCE, infer_grid};
 use crate::fit::{Decision, FitError, Level, LevelError, Point, student_quantile};
 
 mod classes;

@@ -4,10 +4,8 @@
 //! A larger one adds answers to those of a smaller one: no interval becomes narrower, no verdict surer or another. The list
 //! is one for all tables; a noise between two of it is rounded up.
 
-use std::cmp::Ordering;
-
-use super::{Posterior, Ruling};
-use crate::fit::Decision;
+use super::{Known, NOISES, Posterior, infer_at};
+use crate::fit::{Direction, FitError, Level, Point, Sample, deviation, samples, screen};
 
 /// The noises of a decade: one that is rounded up is at most doubled.
 const DIGITS: [f64; 4] = [1.0, 2.0, 3.0, 5.0];
@@ -15,6 +13,56 @@ const DIGITS: [f64; 4] = [1.0, 2.0, 3.0, 5.0];
 const FIRST: i32 = -60;
 /// A noise leaves where a larger one explains the table a thousand times better, by this logarithm.
 const CONTRADICTED: f64 = 6.9;
+
+/// The levels of a line that serve, and what they say of the order.
+#[derive(Debug, Clone)]
+pub struct LineReading {
+    pub samples: Vec<Sample>,
+    pub posterior: Posterior,
+}
+
+impl LineReading {
+    /// Reads points with the relative standard deviations of their errors, if known; see [`infer`]. Points without a step
+    /// in this direction do not count.
+    pub fn of(
+        measured: &[(Point, Option<f64>)],
+        direction: Direction,
+        known: &Known,
+    ) -> Result<Self, FitError> {
+        let there = measured.iter().filter(|(point, _)| !direction.step(point).is_nan());
+        let levels = there.map(|(point, sigma)| {
+            // Of a level that is left out, the deviation may be none: a share of nothing.
+            let sigma = sigma.filter(|_| screen(point).is_ok());
+            Level::of(point, direction, sigma)
+        });
+        let levels = levels.collect::<Result<Vec<_>, _>>()?;
+        let posterior = infer(&levels, known)?;
+        let points: Vec<Point> = measured.iter().map(|(point, _)| *point).collect();
+        Ok(Self { samples: samples(&points, direction)?, posterior })
+    }
+}
+
+/// Order of a table of steps h and errors e.
+pub fn order(table: &[(f64, f64)]) -> Result<Posterior, FitError> {
+    let levels = table.iter().map(|&(h, error)| Level::new(h, error));
+    infer(&levels.collect::<Result<Vec<_>, _>>()?, &Known::default())
+}
+
+/// Posterior of the order. Levels in any order, each once; levels near their floors, and errors of exactly 0, are left
+/// out, and confirm nothing if the others do not explain them.
+///
+/// # Errors
+/// [`FitError::TooFew`] below three levels, [`FitError::RepeatedStep`], [`FitError::Level`] for a noise that is none,
+/// [`FitError::Log`], [`FitError::NoLogarithm`] with a factor |log h|^M, [`FitError::Reference`].
+pub fn infer(levels: &[Level], known: &Known) -> Result<Posterior, FitError> {
+    match known.noise {
+        Some(noise) if levels.iter().any(|level| level.sigma().is_none()) => {
+            let of = |noise| infer_at(levels, &Known { noise: Some(noise), ..*known });
+            up_to(deviation(noise)?, NOISES, |noise| Ok([of(noise)?])).map(|[found]| found)
+        }
+        _ => infer_at(levels, known),
+    }
+}
 
 fn listed(at: i32) -> f64 {
     DIGITS[at.rem_euclid(4) as usize] * 10f64.powi(at.div_euclid(4))
@@ -45,20 +93,4 @@ pub(in crate::fit) fn up_to<const N: usize, E>(
         let mut less: Vec<_> = kept().map(|of| Posterior { interval, ..of.clone() }).collect();
         Posterior { less: less.drain(..last - first).collect(), ..less.remove(0) }
     }))
-}
-
-impl Posterior {
-    /// The ruling that holds for every noise up to the one that is told: of the least sure one, and open where they differ.
-    pub(super) fn agreed(&self, of: impl Fn(&Self) -> Ruling) -> Ruling {
-        let mut all: Vec<Ruling> = self.less.iter().chain([self]).map(of).collect();
-        let differ = all.iter().any(|ruling| ruling.decision != all[0].decision);
-        let sure = |r: &Ruling| (r.decision != Decision::Unresolved, r.too_high, r.probability);
-        all.sort_by(|a, b| sure(a).partial_cmp(&sure(b)).unwrap_or(Ordering::Equal));
-        let least = all.swap_remove(0);
-        if !differ {
-            return least;
-        }
-        let reason = format!("{}, for a noise up to the one told", least.reason);
-        Ruling { decision: Decision::Unresolved, reason, ..least }
-    }
 }

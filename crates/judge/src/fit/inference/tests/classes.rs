@@ -1,8 +1,7 @@
 //! A table of classes that are not the families of the model at its own nodes, beside the rules in common use.
 
 use super::{Random, level, straight_line};
-use crate::fit::inference::{Known, infer};
-use crate::fit::{Claim, Decision, Level};
+use crate::fit::{Claim, Decision, Known, Level, infer};
 
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Kind {
