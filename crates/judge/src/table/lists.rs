@@ -221,6 +221,8 @@ impl<'a> Scan<'a> {
 fn scan(text: &str) -> Vec<List> {
     let mut scan = Scan::default();
     for (line, text) in (1..).zip(text.lines()) {
+        // What ends a row of LaTeX is no part of its last number.
+        let text = text.trim_end().trim_end_matches("\\\\");
         let tokens = tokens(text, scan.depth);
         let bare = tokens.iter().all(|token| matches!(token, Token::Number(_) | Token::Word("*")));
         if scan.open && (bare || text.trim_start().starts_with("Column")) {
@@ -273,7 +275,8 @@ fn tables(text: &str) -> Vec<Vec<List>> {
         let name = list.name.rsplit_once('(').filter(|(_, inner)| !inner.contains(')'));
         let name = name.map_or(&*list.name, |(_, inner)| inner).replace('$', "");
         list.name = singular(name.trim_matches(|c: char| c.is_whitespace() || "\"'`|".contains(c)));
-        if list.across && is_size(&list.name) {
+        let followed = list.followed && !list.assigned && list.cells.len() > 1;
+        if (list.across || followed) && is_size(&list.name) {
             (head, end) = (Some(list.clone()), list.end);
         } else if let Some(head) = head.as_ref().filter(|_| list.line <= end + 2) {
             below(head, &mut list);
@@ -309,11 +312,17 @@ fn tables(text: &str) -> Vec<Vec<List>> {
     tables
 }
 
-/// A row below sizes across: before its numbers may stand one more, as in `q = 1`, and behind them an order.
+/// A row below sizes: behind its numbers may stand an order, and before them, where the sizes stand across, one more, as in `q = 1`.
 fn below(head: &List, row: &mut List) {
     let width = head.cells.len();
-    if row.cells.len() > width && head.followed {
+    let value = |at: usize| row.cells.get(at).and_then(|cell| number(cell)).map(|n| n.value);
+    // An order is larger than the finest error, which stands last where a number is in front.
+    let order = row.cells.len() > width && (head.across || value(width) > value(width - 1));
+    if head.followed && order {
         row.cells.truncate(width);
+    }
+    if !head.across {
+        return;
     }
     if row.cells.len() == width + 1 {
         let sign = if row.assigned { " = " } else { "" };
