@@ -306,7 +306,8 @@ pub(super) fn role(name: &str) -> Role {
         "" => Role::Ignored,
         // A logarithm of an error is none, nor is what theory expects.
         _ if normalised.starts_with("log")
-            || has("iter residual expect predict theor std deviation") =>
+            || has("iter expect predict theor std deviation")
+            || is_residual(bare) =>
         {
             Role::Unknown
         }
@@ -349,6 +350,12 @@ pub(super) fn is_size(name: &str) -> bool {
 
 pub(super) fn is_norm(name: &str) -> bool {
     matches!(role(name), Role::Wide | Role::Error | Role::Value)
+}
+
+/// Whether a name speaks of what a solver has left; `k-space` is no `ksp`.
+pub(super) fn is_residual(name: &str) -> bool {
+    let lower = name.to_lowercase();
+    ["residual", "function norm", "snes ", "ksp "].iter().any(|part| lower.contains(part))
 }
 
 /// Whether a name says error in Chinese or Russian.

@@ -1,7 +1,7 @@
 //! What the numbers of columns say where their names do not.
 
 use super::Reading;
-use super::cell::{Measure, Role, is_norm, is_size, number};
+use super::cell::{Measure, Role, is_norm, is_residual, is_size, number};
 use super::line::{Block, Cells, is_word, listed};
 
 /// Sizes that a person takes for such refine by one factor, as far as they are printed.
@@ -20,7 +20,7 @@ const LEAST_BESIDE: f64 = 1.5;
 const COLUMN: &str = "column";
 const LINE: &str = "line";
 const OTHERS: &str =
-    "time cpu wall sec tol eps iter residual expect predict theor std deviation log memory speed";
+    "time cpu wall sec tol eps iter expect predict theor std deviation log memory speed";
 /// Names of what falls with the size and is no error.
 const LENGTHS: &str = "size edge width length spacing diameter radius volume area mass";
 /// Orders of what falls like a power of the size lie between these, and differ by less than this factor. A value that tends to a limit
@@ -100,7 +100,7 @@ fn fall_of_errors(block: &Block, at: usize, forward: bool) -> Option<f64> {
 }
 
 fn is_other(name: &str) -> bool {
-    OTHERS.split(' ').any(|other| name.to_lowercase().contains(other))
+    is_residual(name) || OTHERS.split(' ').any(|other| name.to_lowercase().contains(other))
 }
 
 /// Sizes and errors that no name says, by their numbers: the place of such a size, and whether the rows refine from first to last.

@@ -120,6 +120,21 @@ fn each(line: &str) -> Option<String> {
     alike.then(|| format!("{before} {}{behind}", pairs.collect::<String>()))
 }
 
+/// Records of names in brackets, each line with as many numbers behind them: `(N, error) 16 0.01`.
+pub(super) fn tupled(text: &str) -> Vec<Block> {
+    let record = |line: &str| {
+        let (names, values) = line.trim_start().strip_prefix('(')?.split_once(')')?;
+        let values: Vec<&str> = values.split_whitespace().collect();
+        let alike = values.len() > 1
+            && values.len() == names.split(',').count()
+            && values.iter().all(|word| number(word).is_some());
+        let pairs = names.split(',').zip(values).map(|(name, value)| format!("{name}={value} , "));
+        alike.then(|| pairs.collect::<String>())
+    };
+    let lines: Vec<String> = text.lines().map(|line| record(line).unwrap_or_default()).collect();
+    records(&lines.join("\n"), Records::Lines)
+}
+
 fn is_mark(word: &str) -> bool {
     !word.contains('|') && !word.chars().any(|c| c.is_alphanumeric() || c == '‖')
 }

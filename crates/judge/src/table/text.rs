@@ -10,7 +10,7 @@ use super::loose::{self, Records};
 use super::names::head;
 
 /// The ways to cut a text into blocks.
-const WAYS: [fn(&str) -> Vec<Block>; 14] = [
+const WAYS: [fn(&str) -> Vec<Block>; 15] = [
     |text| lists(text, true),
     |text| blocks(text, Separator::Latex),
     |text| blocks(text, Separator::Pipe),
@@ -19,6 +19,7 @@ const WAYS: [fn(&str) -> Vec<Block>; 14] = [
     |text| blocks(text, Separator::Character(',')),
     loose::ruled,
     |text| blocks(text, Separator::Blanks),
+    loose::tupled,
     |text| loose::records(text, Records::Lines),
     |text| loose::records(text, Records::BySize),
     |text| loose::records(text, Records::InTurn),
