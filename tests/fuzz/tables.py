@@ -46,7 +46,7 @@ def kind(name):
         return "size"
     if any(rate in plain for rate in RATES):
         return "rate"
-    if (plain in ("e", "u", "eu", "inf") or any(error in plain for error in ERRORS)) and not re.search("log|rel|iter|expect|theor|floor", plain):
+    if (plain in ("e", "u", "eu", "inf") or any(error in plain for error in ERRORS)) and not re.search("log|iter|expect|theor|floor", plain):
         return "error"
     return "other"
 
