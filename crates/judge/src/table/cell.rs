@@ -332,7 +332,8 @@ fn part(name: &str) -> Option<Role> {
     let words: Vec<&str> =
         name.split(|c: char| !c.is_alphanumeric()).filter(|w| !w.is_empty()).collect();
     let ends = (1..words.len()).map(|at| words[at..].concat());
-    let parts = ends.chain((1..words.len()).map(|at| words[..at].concat()));
+    // Of `grid_spacing_m` the longest says what it is.
+    let parts = ends.chain((1..words.len()).rev().map(|at| words[..at].concat()));
     // `u_h` is a solution.
     let sized = |part: &String| part.len() > 1 || name.split_whitespace().any(|word| word == "h");
     // `Running with N`.
