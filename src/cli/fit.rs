@@ -32,7 +32,7 @@ and what was left out. Sizes: h, dx or hmax; k, dt or tau; n or N and steps, whi
 where h = 2^-level; none with --ratio. Errors: error, norms side by side (L2, H1, Linf, energy, error_u, ...), and every column that \
 --p or --q name, each of them judged. Results without an exact value, such as a largest displacement or a force, \
 go into a column named `value`. The \
-extrapolated value, its order, the grid convergence index and the Eça-Hoekstra uncertainty are then printed. Optional: \
+extrapolated value, its order and the grid convergence index are then printed. Optional: \
 floor, sigma (standard deviation of the error), norm, scene, status. Rates and counters are left out. Rows with the same scene and norm are \
 one table, and so are those with one value of a column of words, or of one that tells levels apart which come again (degree, scheme); its name is then \
 COLUMN=VALUE, as in --p degree=1=2,degree=2=3. `cases.csv` of a sweep is such a file.\n\n\
