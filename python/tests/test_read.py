@@ -1,13 +1,6 @@
-"""Tables as people have them, from Python: a text, a path, a dict and a frame are one table; what has no one number is refused;
-pasted tables and damaged ones are read as a second reader reads them, or not at all."""
-
-import math
-import pathlib
-import random
-import tomllib
+"""Tables as people have them, from Python: a text, a path, a dict and a frame are one table; what has no one number is refused."""
 
 import pytest
-from second_reader import second
 
 import gronwall
 
@@ -74,72 +67,3 @@ def test_masked_and_object_arrays_are_refused():
         gronwall.read({"h": [0.5, 0.25], "error": masked})
     with pytest.raises(ValueError, match="no number and no word"):
         gronwall.read({"h": [0.5, 0.25], "error": numpy.array([object(), object()])})
-
-
-PASTED = pathlib.Path(__file__).parents[2] / "tests" / "pasted"
-WORDS = "0 -1 nan inf 1e400 | & , ; = : h error L2 rate e - -- 0,5 1.5-3 $ { } ( # % x 10^ 1/0".split(" ")
-
-
-def pasted():
-    """The tables that are read without a word from a caller."""
-    asked = {"dimension", "ratio", "by", "runs", "errors"}
-    tables = [table for path in sorted(PASTED.glob("*.toml")) for table in tomllib.loads(path.read_text(encoding="utf-8"))["table"]]
-    return [table["text"] for table in tables if not asked & table.keys()]
-
-
-def damaged(text, generator):
-    for _ in range(generator.randint(1, 3)):
-        at, to = sorted(generator.randrange(len(text) + 1) for _ in range(2))
-        to = min(to, at + generator.choice([2, 12, 60]))
-        lines = text.split("\n")
-        line, other = generator.randrange(len(lines)), generator.randrange(len(lines))
-        kind = generator.randrange(7)
-        if kind == 0:
-            text = text[:at] + text[to:]
-        elif kind == 1:
-            text = text[:to] + text[at:to] + text[to:]
-        elif kind == 2:
-            text = text[:at] + generator.choice("0123456789.,e- \nx|=:[%&") + text[at + 1 :]
-        elif kind == 3:
-            text = text[:at] + generator.choice(WORDS) + text[at:]
-        else:
-            if kind == 4:
-                lines.pop(line)
-            elif kind == 5:
-                lines.insert(other, lines[line])
-            else:
-                lines[line], lines[other] = lines[other], lines[line]
-            text = "\n".join(lines)
-    return text
-
-
-def agree(text, wanted):
-    """Whether both readers read the text, and then that they read the same."""
-    if wanted is None:
-        return False
-    try:
-        tables = gronwall.read(text)
-    except ValueError:
-        return False
-    read = [sorted(zip((k if math.isnan(h) else h for h, k in zip(table.h, table.k)), table.errors)) for table in tables]
-    for name, points in wanted.items():
-        # A size that is printed twice with other digits is one size, whose errors are averaged: the second reader has both.
-        sizes = [size for size, _ in points]
-        if any(a != b and math.isclose(a, b, rel_tol=1e-9) for a, b in zip(sizes, sizes[1:])):
-            return False
-        # Sizes follow from counts by a division: a rounding.
-        near = [levels for levels in read if [e for _, e in levels] == [e for _, e in points]]
-        close = lambda levels: all(math.isclose(a, b, rel_tol=1e-15) for (a, _), (b, _) in zip(levels, points))
-        assert any(map(close, near)), (name, text)
-    return True
-
-
-def test_tables_are_read_as_a_second_reader_reads_them_or_not_at_all():
-    texts = pasted()
-    assert sum(agree(text, second(text)) for text in texts) >= 12
-    generator = random.Random(1)
-    both = 0
-    for _ in range(20_000):
-        text = damaged(generator.choice(texts), generator)
-        both += agree(text, second(text))
-    assert both > 500
