@@ -36,7 +36,7 @@ pub use further::{Further, plain};
 pub use identifiable::NotIdentifiable;
 pub use inference::{
     Claim, ClaimError, FEWEST, GridPosterior, Known, Posterior, Ruling, TOLERANCE, infer_grid,
-    told::{LineReading, infer, order},
+    line::{LineReading, infer, order},
 };
 pub use interval::Interval;
 pub use joint::{JointFits, LARGEST_OTHER_SHARE, fit_constants, joint_fits};

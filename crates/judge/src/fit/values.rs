@@ -6,7 +6,8 @@
 
 use std::f64::consts::SQRT_2;
 
-use super::inference::told::{infer, up_to};
+use super::inference::line::infer;
+use super::inference::told::up_to;
 use super::inference::{FEWEST, Known, Posterior};
 use super::{FitError, LARGEST_SIGMA, Level, LevelError, ValueSample, deviation};
 

@@ -10,6 +10,7 @@ use std::cell::Cell;
 mod claim;
 mod evidence;
 mod grid;
+pub(super) mod line;
 mod mixture;
 mod next_term;
 mod to_zero;

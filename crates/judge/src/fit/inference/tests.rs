@@ -7,7 +7,7 @@ use std::cell::RefCell;
 use std::collections::HashMap;
 use std::rc::Rc;
 
-use super::told::infer;
+use super::line::infer;
 use super::{Claim, ClaimError, Known, Posterior, TOLERANCE, infer_grid};
 use crate::fit::{Decision, FitError, Level, LevelError, Point, student_quantile};
 
