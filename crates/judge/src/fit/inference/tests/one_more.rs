@@ -1,7 +1,9 @@
 //! What more data and less trust in them do to an answer, on 216 tables of one next term without noise.
 
 use super::{Claim, Known, Random, infer, level};
-use crate::fit::{Decision, Level, Posterior};
+use crate::fit::{
+    Decision, Interval, Level, Point, Posterior, ValueSample, infer_grid, infer_values,
+};
 
 /// e = h^p (1 + D h^r) on four, five, six halvings.
 fn tables() -> impl Iterator<Item = (Vec<Level>, f64)> {
@@ -90,6 +92,41 @@ fn a_larger_noise_narrows_no_interval_and_makes_no_verdict_surer() {
     }
     println!("{steps} steps, {decided} verdicts");
     assert!(steps > 864 && decided > steps, "{steps} {decided}");
+}
+
+/// The same for values without errors, and for both orders of a grid.
+#[test]
+fn a_larger_noise_narrows_no_interval_of_values_and_grids() {
+    let told = [0.001, 0.003, 0.03, 0.1];
+    let wider = |found: Vec<Interval>, what: String| {
+        for pair in found.windows(2) {
+            assert!(
+                pair[1].lo <= pair[0].lo && pair[0].hi <= pair[1].hi,
+                "{} {}: {what}",
+                pair[0],
+                pair[1]
+            );
+        }
+    };
+    for bend in [-0.4, 0.0, 0.2] {
+        for p in [1.0, 2.0, 3.0] {
+            let step = |i: i32| 0.5f64.powi(i);
+            let error = |h: f64| h.powf(p) * (1.0 + bend * h);
+            let values: Vec<_> = (0..6)
+                .map(|i| ValueSample { step: step(i), value: 1.0 + 0.3 * error(step(i)) })
+                .collect();
+            let read = |noise| infer_values(&values, Some(noise)).expect("an order").interval;
+            // Values scatter by less than their differences.
+            wider(told.map(|noise| read(0.01 * noise)).to_vec(), format!("values, {p} {bend}"));
+            let points: Vec<_> = (0..25)
+                .map(|i| [step(i / 5), step(i % 5)])
+                .map(|[h, k]| Point { h, k, error: error(h) + 0.5 * k * k, floor: 0.0 })
+                .collect();
+            let grids = told.map(|noise| infer_grid(&points, Some(noise)).expect("orders"));
+            wider(grids.iter().map(|g| g.order_h.interval).collect(), format!("h, {p} {bend}"));
+            wider(grids.iter().map(|g| g.order_k.interval).collect(), format!("k, {p} {bend}"));
+        }
+    }
 }
 
 /// As measured: 7 % of the passes.
