@@ -22,7 +22,7 @@ from pathlib import Path
 
 MISSING = {"", "-", "--", "---", "*", "n/a", "na", "none", "nan"}
 LENGTH = {"h": 0, "hmax": 0, "dx": 0, "meshsize": 0, "k": 1, "dt": 1, "tau": 1, "timestep": 1}
-COUNT = {"n": 0, "nx": 0, "steps": 1, "nt": 1, "nsteps": 1}
+COUNT = {"n": 0, "nx": 0, "ny": 0, "nz": 0, "steps": 1, "nt": 1, "nsteps": 1}
 CELLS = {"cells", "ncells", "elements", "dof", "dofs", "ndofs", "ndof", "ne", "unknowns"}
 LEVEL = {"level", "lvl", "refinement", "refinementlevel"}
 ERRORS = ("err", "l2", "h1", "h2", "linf", "l1", "energy")

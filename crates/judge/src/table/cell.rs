@@ -193,7 +193,7 @@ const LONGEST_NAME: usize = 200;
 // Names of columns in normal form, as `normal` gives it.
 const LENGTHS: &str = "h hmax dx deltax meshsize maxh hx cellsize gridspacing spacing meshwidth elementsize panelsize";
 const TIMES: &str = "k dt deltat tau timestep timestepsize stepsize htime";
-const SIDES: &str = "n nx mx nx1 grille gitter maillage cellsperside elementsperside resolution grid mesh numpts npts ngridpoints gridpoints 1h oneoverh 1dx hinv ny res";
+const SIDES: &str = "n nx mx nx1 grille gitter maillage cellsperside elementsperside resolution grid mesh numpts npts ngridpoints gridpoints 1h oneoverh 1dx hinv ny nz res intervals";
 const STEPS: &str = "steps nsteps nt timesteps numberofsteps 1dt 1k";
 const CELLS: &str = "cells ncells numcells numberofcells activecells nactivecells numberofactivecells cellnumbers \
     elements nelements numelements numberofelements nel ne nelem triangles elems";

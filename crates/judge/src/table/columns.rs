@@ -6,7 +6,9 @@ use super::cell::{
     Comma, Measure, Number, Role, is_missing, is_rate, likeness, named, normal, number, role,
     says_error,
 };
-use super::guess::{approach_a_limit, are_orders, by_numbers, by_powers, confirm, of_errors};
+use super::guess::{
+    approach_a_limit, are_orders, by_numbers, by_powers, by_values, confirm, of_errors,
+};
 use super::line::{Block, Cells, is_computed, listed};
 use super::{Quantity, Reading, TableError};
 use files::counted;
@@ -46,6 +48,8 @@ pub(super) struct Columns {
     pub(super) norm: Option<usize>,
     pub(super) status: Option<usize>,
     pub(super) by: Vec<usize>,
+    /// Rows that stand above already, with the same sizes and errors.
+    pub(super) again: HashSet<usize>,
     pub(super) runs: bool,
     pub(super) ratio: Option<f64>,
     /// What was read and what was not.
@@ -103,12 +107,19 @@ impl Columns {
                 "`{name}` seems to hold orders, not errors: `{title}` stands above"
             ));
         }
-        let judged = quantity == Quantity::Error;
-        if let Some(size) = sizes.iter().flatten().find(|s| judged && reader.counts(s, &measured)) {
-            let name = reader.name(size.at);
-            return fail(format!(
-                "`{name}` is whole and the errors fall where it grows: is it a count? Call it `n` if it counts cells along a side, `steps` if it counts steps"
-            ));
+        for size in sizes.iter_mut().flatten() {
+            if quantity != Quantity::Error || !reader.counts(size, &measured) {
+                continue;
+            }
+            let name = &names[size.at];
+            // 1, 2, 3 may be row numbers, levels or degrees.
+            if size.steps.windows(3).all(|three| three[2] - three[1] == three[1] - three[0]) {
+                return fail(format!(
+                    "`{name}` is whole and the errors fall where it grows: is it a count? Call it `n` if it counts cells along a side, `steps` if it counts steps"
+                ));
+            }
+            reader.notes.push(format!("`{name}` counts: the errors fall where it grows"));
+            size.steps.iter_mut().for_each(|step| *step = step.recip());
         }
         if sizes.iter().all(Option::is_none) && reader.ratio.is_none() {
             return fail(reader.no_size());
@@ -130,10 +141,14 @@ impl Columns {
             norm,
             status,
             by: Vec::new(),
+            again: HashSet::new(),
             runs,
             ratio: reader.ratio,
             said: String::new(),
         };
+        if !runs {
+            columns.again = reader.again(&columns, &sizes);
+        }
         columns.by = reader.by(&columns, &sizes)?;
         columns.said = reader.said(&columns, &sizes);
         Ok(columns)
@@ -171,6 +186,9 @@ impl<'a> Reader<'a> {
         }
         let mut notes = Vec::new();
         let measures = [Role::Error, Role::Value, Role::Wide];
+        if reading.ratio.is_none() {
+            by_values(block, &mut roles, &mut notes);
+        }
         let counted = by_numbers(block, reading, &mut roles, &mut notes);
         // What a rate follows is an error, whatever its name; of several such the caller may name some. What is computed from another
         // column is a rate, whatever its name.
@@ -180,7 +198,31 @@ impl<'a> Reader<'a> {
             let computed =
                 (0..at).rev().filter(open).find(|&from| is_computed(&block.rows, at, from));
             let named = is_rate(names[at]) && roles[at - 1] == Role::Unknown;
-            let Some(from) = computed.or(named.then_some(at - 1)) else { continue };
+            // So is what stands behind an error, or a rate, and begins a row later.
+            let later = || {
+                let cell =
+                    |row: usize, at: usize| number(&block.rows[row].cells[at]).map(|n| n.value);
+                let rises = |row: usize| {
+                    let fall = (cell(row - 1, at - 1)? / cell(row, at - 1)?).ln();
+                    Some(fall * cell(row, at)? >= 0.0)
+                };
+                let begun = is_missing(&block.rows[0].cells[at - 1]);
+                // Behind a rate no error falls, and behind an error a rate has its sign.
+                let rate = |row| match begun {
+                    true => cell(row, at).is_some_and(|rate| rate.abs() > 0.1),
+                    false => rises(row) == Some(true),
+                };
+                is_missing(&block.rows[0].cells[at])
+                    && block.rows.len() > 2
+                    && (open(&(at - 1)) || begun && roles[at - 1] == Role::Ignored)
+                    && (1..block.rows.len()).all(rate)
+            };
+            let later = roles[at] == Role::Unknown && later();
+            if later {
+                roles[at] = Role::Ignored;
+            }
+            let later = later && roles[at - 1] != Role::Ignored;
+            let Some(from) = computed.or((named || later).then_some(at - 1)) else { continue };
             if roles[from] == Role::Unknown && reading.errors.is_empty() {
                 roles[from] = Role::Wide;
             }
@@ -435,6 +477,27 @@ impl<'a> Reader<'a> {
         Ok(())
     }
 
+    /// Rows that stand twice: their sizes, errors, words and parameters are those of a row above.
+    fn again(&self, columns: &Columns, sizes: &[Option<Size>; 2]) -> HashSet<usize> {
+        let read = |at: &usize| {
+            sizes.iter().flatten().any(|size| size.at == *at)
+                || columns.measured.iter().any(|measured| measured.at == *at)
+                || matches!(
+                    self.roles[*at],
+                    Role::Scene | Role::Norm | Role::Parameter | Role::Status
+                )
+                || self.block.rows.iter().all(|row| number(&row.cells[*at]).is_none())
+        };
+        let places: Vec<usize> = (0..self.roles.len()).filter(read).collect();
+        let mut seen = HashSet::new();
+        let again = |row: &usize| {
+            let cells = |at: &usize| self.block.rows[*row].cells[*at].as_str();
+            let sized = columns.steps.iter().flatten().any(|steps| steps[*row].is_finite());
+            !seen.insert(places.iter().map(cells).collect::<Vec<_>>()) && sized
+        };
+        (0..self.block.rows.len()).filter(again).collect()
+    }
+
     /// The columns that tell tables apart: those asked for, those of words, and what explains a level that comes again.
     fn by(
         &mut self,
@@ -492,7 +555,7 @@ impl<'a> Reader<'a> {
                 columns.scene.into_iter().chain(columns.norm).chain(by.iter().copied()).collect();
             let sized = |row: &usize| {
                 let there = |steps: &Vec<f64>| !steps[*row].is_nan();
-                columns.steps.iter().flatten().any(there)
+                !columns.again.contains(row) && columns.steps.iter().flatten().any(there)
             };
             (0..rows.len()).filter(sized).find_map(|row| {
                 let cells: Vec<&str> = fixed.iter().map(|&at| cell(row, at)).collect();
@@ -550,6 +613,10 @@ impl<'a> Reader<'a> {
         }
         if columns.runs {
             parts.push("rows of one level are runs".into());
+        }
+        if let Some(first) = columns.again.iter().min() {
+            let (count, line) = (counted(columns.again.len(), "row"), self.block.rows[*first].line);
+            parts.push(format!("{count} from line {line} as above, read once"));
         }
         parts.extend(self.block.notes.iter().chain(&self.notes).cloned());
         let unread = |at: &usize| !columns.by.contains(at) && !self.name(*at).is_empty();

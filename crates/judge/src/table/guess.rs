@@ -19,8 +19,7 @@ const LEAST_BESIDE: f64 = 1.5;
 /// Names of what has none, with a number.
 const COLUMN: &str = "column";
 const LINE: &str = "line";
-const OTHERS: &str =
-    "time cpu wall sec tol eps iter expect predict theor std deviation log memory speed";
+const OTHERS: &str = "time cpu wall sec tol eps iter expect predict theor std deviation log memory speed balance change";
 /// Names of what falls with the size and is no error.
 const LENGTHS: &str = "size edge width length spacing diameter radius volume area mass";
 /// Orders of what falls like a power of the size lie between these, and differ by less than this factor. A value that tends to a limit
@@ -30,12 +29,23 @@ const ORDERS_DIFFER: f64 = 2.0;
 const CLEAR_FALL: f64 = 50.0;
 /// Printed powers of a size are off by so much, as logarithms.
 const POWERS_OFF: f64 = 0.005;
+/// What has fallen by so much may meet rounding.
+const ROUNDED: f64 = 1e4;
 /// Smaller errors may be rounding.
 const ROUNDING: f64 = 1e-11;
 
+/// Falls by powers of two for each level are off by so much.
+const POWER_OFF: f64 = 0.06;
+/// Numbers that fall so much at a steady order are errors, whatever stands beside them.
+const TWO_DECADES: f64 = 100.0;
+
+fn value(row: &Cells, at: usize) -> Option<f64> {
+    number(row.cells.get(at)?).map(|number| number.value)
+}
+
 /// The numbers of a column without gaps.
 fn numbers(rows: &[Cells], at: usize) -> Option<Vec<f64>> {
-    let numbers = rows.iter().map(|row| number(row.cells.get(at)?).map(|number| number.value));
+    let numbers = rows.iter().map(|row| value(row, at));
     numbers.collect::<Option<Vec<f64>>>().filter(|n| n.len() > 2 && n.iter().all(|n| *n > 0.0))
 }
 
@@ -103,6 +113,62 @@ fn is_other(name: &str) -> bool {
     is_residual(name) || OTHERS.split(' ').any(|other| name.to_lowercase().contains(other))
 }
 
+/// Where the numbers of a column of sizes contradict its name, they say what it is.
+pub(super) fn by_values(block: &Block, roles: &mut [Role], notes: &mut Vec<String>) {
+    let direction = |role: Role| match role {
+        Role::Space(measure) => Some((measure, false)),
+        Role::Time(measure) => Some((measure, true)),
+        _ => None,
+    };
+    for at in 0..roles.len() {
+        let Some((measure, time)) = direction(roles[at]) else { continue };
+        let cells = block.rows.iter().map(|row| value(row, at)).collect::<Option<Vec<f64>>>();
+        let Some(rows) = cells.filter(|sizes| sizes.len() > 2) else { continue };
+        // The same in all rows it is a setting; a length beside a time step is one of the two sizes.
+        if measure != Measure::Length && rows.iter().all(|size| *size == rows[0]) {
+            roles[at] = Role::Ignored;
+            continue;
+        }
+        let other = (0..roles.len())
+            .find(|&of| of != at && direction(roles[of]).is_some_and(|(_, other)| other == time));
+        let mut sizes = rows.clone();
+        sizes.sort_by(f64::total_cmp);
+        sizes.dedup();
+        let (least, whole) = (sizes[0], sizes.iter().all(|size| size.fract() == 0.0));
+        let even = sizes.windows(3).all(|three| three[2] - three[1] == three[1] - three[0]);
+        let geometric = sizes.len() > 2
+            && !even
+            && factor(&sizes, COUNTS_DIFFER).is_some_and(|factor| factor > 1.2);
+        let powers = || (0..roles.len()).any(|of| falls_by_powers_of_two(block, &rows, of));
+        let (found, word) = match measure {
+            Measure::Level if geometric && whole && least > 1.0 => (Measure::Number, "a count"),
+            Measure::Number if geometric && sizes[sizes.len() - 1] < 1.0 && other.is_none() => {
+                (Measure::Length, "a step")
+            }
+            Measure::Length if time && other.is_none() && whole && even && powers() => {
+                (Measure::Level, "the exponent of a step 2^-k")
+            }
+            _ => continue,
+        };
+        roles[at] = match time && found != Measure::Level {
+            true => Role::Time(found),
+            false => Role::Space(found),
+        };
+        notes.push(format!("`{}` taken for {word} by its numbers", block.names[at]));
+    }
+}
+
+/// Whether a column falls by a whole power of two for each 1 by which the numbers of the rows grow.
+fn falls_by_powers_of_two(block: &Block, rows: &[f64], at: usize) -> bool {
+    let errors: Vec<f64> = block.rows.iter().map(|row| value(row, at).unwrap_or(0.0)).collect();
+    let fall = |(k, e): (&[f64], &[f64])| (e[0] / e[1]).log2() / (k[1] - k[0]);
+    let falls: Vec<f64> = rows.windows(2).zip(errors.windows(2)).map(fall).collect();
+    // The first rows may be too coarse for their order, the last ones meet rounding.
+    let whole = |fall: &&f64| fall.round() > 0.0 && (*fall - fall.round()).abs() < POWER_OFF;
+    let sound: Vec<&f64> = falls.iter().skip_while(|f| !whole(f)).take_while(whole).collect();
+    sound.len() > 2 && sound.iter().all(|fall| fall.round() == sound[0].round())
+}
+
 /// Sizes and errors that no name says, by their numbers: the place of such a size, and whether the rows refine from first to last.
 pub(super) fn by_numbers(
     block: &Block,
@@ -166,7 +232,6 @@ pub(super) fn by_powers(block: &Block, named: bool, roles: &mut [Role], notes: &
     };
     let sized = roles.iter().enumerate().find_map(|(at, role)| Some((at, size(role)?)));
     let Some((at, measure)) = sized else { return };
-    let value = |row: &Cells, at: usize| number(row.cells.get(at)?).map(|number| number.value);
     let step = |row: &Cells| {
         let number = value(row, at)?;
         Some(match measure {
@@ -179,9 +244,9 @@ pub(super) fn by_powers(block: &Block, named: bool, roles: &mut [Role], notes: &
     let Some(steps) = steps.filter(|steps| steps.iter().all(|step| step.is_finite())) else {
         return;
     };
-    let falls = |at: &usize| {
+    let falls = |at: usize| {
         let errors: Vec<f64> =
-            block.rows.iter().map(|row| value(row, *at).map_or(f64::NAN, f64::ln)).collect();
+            block.rows.iter().map(|row| value(row, at).map_or(f64::NAN, f64::ln)).collect();
         falls_like_a_power(&steps, &errors)
     };
     let other = |at: usize| {
@@ -191,32 +256,43 @@ pub(super) fn by_powers(block: &Block, named: bool, roles: &mut [Role], notes: &
     let numeric = |at: usize| block.rows.iter().any(|row| value(row, at).is_some());
     let open = |at: &usize| roles[*at] == Role::Unknown && !other(*at) && numeric(*at);
     let open: Vec<usize> = (0..roles.len()).filter(open).collect();
-    let found: Vec<usize> = open.iter().copied().filter(falls).collect();
-    // Where no name says what an error is, a column that does not fall leaves it open.
-    if !found.is_empty() && (named || found.len() == open.len()) {
-        let names = listed(found.iter().map(|&at| &block.names[at]));
+    let found: Vec<(usize, f64)> = open.iter().filter_map(|&at| Some((at, falls(at)?))).collect();
+    // Where no name says what an error is, a column that does not fall leaves it open, unless the others fall clearly.
+    let clear = || found.iter().all(|(_, fall)| *fall >= TWO_DECADES);
+    if !found.is_empty() && (named || found.len() == open.len() || clear()) {
+        let names = listed(found.iter().map(|&(at, _)| &block.names[at]));
         notes.push(format!("{names} taken for errors because they fall"));
-        found.into_iter().for_each(|at| roles[at] = Role::Wide);
+        found.into_iter().for_each(|(at, _)| roles[at] = Role::Wide);
     }
 }
 
-/// Of logarithms of sizes and numbers. Rows may hold several ladders, of which each begins where the size goes back.
-fn falls_like_a_power(steps: &[f64], errors: &[f64]) -> bool {
+/// By how much numbers fall that do so like powers of sizes; both are logarithms. Rows may hold several ladders, of which each begins
+/// where the size goes back.
+fn falls_like_a_power(steps: &[f64], errors: &[f64]) -> Option<f64> {
     let pairs = steps.windows(2).zip(errors.windows(2));
     let pairs = || pairs.clone().map(|(h, e)| (h[0] - h[1], e[0] - e[1], e[0].min(e[1])));
     let forward = pairs().map(|(h, ..)| h.signum()).sum::<f64>();
     let ladders = 1 + pairs().filter(|(h, ..)| h * forward <= 0.0).count();
-    let along = || pairs().filter(|(h, _, least)| h * forward > 0.0 && *least >= ROUNDING.ln());
-    let orders: Vec<f64> = along().map(|(h, e, _)| e / h).collect();
-    let most = orders.iter().copied().fold(0.0, f64::max);
-    let least = orders.iter().copied().fold(f64::MAX, f64::min);
+    let mut along: Vec<(f64, f64)> = pairs()
+        .filter(|(h, _, least)| h * forward > 0.0 && !(*least < ROUNDING.ln()))
+        .map(|(h, e, _)| (e / h, e.abs()))
+        .collect();
+    // What one ladder does below so many digits may be rounding.
+    let sizes = |along: &[(f64, f64)]| along.iter().map(|(_, fall)| fall).sum::<f64>();
+    let fallen = along.iter().take_while(|(order, _)| *order > ORDERS.start).count();
+    if ladders == 1 && forward > 0.0 && sizes(&along[..fallen]) > ROUNDED.ln() {
+        along.truncate(fallen);
+    }
+    let most = along.iter().map(|(order, _)| *order).fold(0.0, f64::max);
+    let least = along.iter().map(|(order, _)| *order).fold(f64::MAX, f64::min);
     let steady = ORDERS.contains(&least) && most < ORDERS_DIFFER * least;
-    let fall: f64 = along().map(|(_, e, _)| e.abs()).sum();
-    let clear = least > 0.0 && fall > CLEAR_FALL.ln() * ladders as f64;
+    let fall = sizes(&along) / ladders as f64;
+    let clear = least > 0.0 && fall > CLEAR_FALL.ln();
     // `dx^2` is no error, nor is what is above 1 where no name says so.
     let power = |(h, e): (&f64, &f64)| (e - h * most).abs() < POWERS_OFF;
     let sound = errors.iter().all(|error| error.is_nan() || *error < 0.0) && most < ORDERS.end;
-    orders.len() > 1 && sound && (steady || clear) && !steps.iter().zip(errors).all(power)
+    let found = along.len() > 1 && sound && (steady || clear);
+    (found && !steps.iter().zip(errors).all(power)).then(|| fall.exp())
 }
 
 /// A size by its numbers is one where all errors fall with it.
@@ -235,6 +311,20 @@ pub(super) fn confirm(
     } else {
         roles[at] = Role::Unknown;
     }
+}
+
+/// Rows whose first size comes again begin another ladder.
+pub(super) fn ladders(block: Block) -> Vec<Block> {
+    let first = block.rows[0].cells[0].clone();
+    let parts = block.rows.chunk_by(|_, row| row.cells[0] != first);
+    let part = |rows: &[Cells]| Block {
+        rows: rows.to_vec(),
+        end: rows[rows.len() - 1].line,
+        ..block.clone()
+    };
+    let mut parts: Vec<Block> = parts.map(part).collect();
+    parts.iter_mut().skip(1).for_each(|part| part.line = part.rows[0].line);
+    parts
 }
 
 /// A block below no text, its columns numbered, or its lines if they are few and long.

@@ -1,5 +1,7 @@
 //! Lines of a text, made plain and cut into cells; rows that agree make a block.
 
+use std::collections::HashSet;
+
 use super::cell::{is_missing, is_norm, is_rate, is_size, number};
 
 /// A row, cut into cells.
@@ -53,6 +55,18 @@ impl Block {
             return self;
         }
         for at in (0..self.names.len()).rev() {
+            // `50/9` unknowns are those of two fields.
+            let counts = |cell: &String| {
+                let (first, second) = cell.split_once('/')?;
+                let [one, other] = [first, second].map(|part| number(part.trim()));
+                (one?.value > other?.value).then(|| first.trim().to_owned())
+            };
+            let of_mesh = is_size(&self.names[at]);
+            let firsts = self.rows.iter().map(|row| row.cells.get(at).and_then(counts));
+            if let Some(firsts) = firsts.collect::<Option<Vec<_>>>().filter(|_| of_mesh) {
+                self.rows.iter_mut().zip(firsts).for_each(|(row, first)| row.cells[at] = first);
+                self.notes.push(format!("the first of two counts in `{}`", self.names[at]));
+            }
             let cells = self.rows.iter().map(|row| row.cells.get(at).map(|cell| phrases(cell)));
             let Some(rows) = cells.collect::<Option<Vec<_>>>() else { continue };
             let count = rows[0].len();
@@ -127,33 +141,54 @@ impl Block {
         self
     }
 
-    /// Tables that stand side by side, each with sizes of its own, as blocks; titles may stand so too.
+    /// Tables that stand side by side, each with sizes of its own, as blocks; titles may stand so too. Two halves of one table, which
+    /// have no size in common, are stacked.
     pub(super) fn parted(self) -> Vec<Self> {
         let width = self.names.len();
-        let sizes: Vec<usize> = (0..width).filter(|&at| self.names[at] == self.names[0]).collect();
-        let alike = |one: &usize| sizes.iter().copied().eq((0..width).step_by(*one));
-        let one = sizes.get(1).copied().filter(alike).filter(|one| width.is_multiple_of(*one));
-        let whole = || self.rows.iter().all(|row| row.cells.len() == width);
-        // Sizes that are printed again before each error are those of one table.
-        let own =
-            || self.rows.iter().any(|row| sizes.iter().any(|&at| row.cells[at] != row.cells[0]));
-        let Some(one) = one.filter(|one| *one > 1 && is_size(&self.names[0]) && whole() && own())
-        else {
+        let firsts: Vec<usize> = (0..width).filter(|&at| self.names[at] == self.names[0]).collect();
+        let alike = |one: &usize| firsts.iter().copied().eq((0..width).step_by(*one));
+        let one = firsts.get(1).copied().filter(alike);
+        let one = one.filter(|one| *one > 1 && width.is_multiple_of(*one));
+        let whole = self.rows.iter().all(|row| row.cells.len() == width);
+        let Some(one) = one.filter(|_| whole && is_size_of(&self.names).is_some()) else {
             return vec![self];
         };
+        let size = is_size_of(&self.names[..one]).unwrap_or(0);
+        let differ =
+            |row: &Cells| (size..width).step_by(one).any(|at| row.cells[at] != row.cells[size]);
+        // Sizes that are printed again before each error are those of one table.
+        if !self.rows.iter().any(differ) {
+            return vec![self];
+        }
         let titles: Vec<&str> = self.title.split(BARS).map(str::trim).collect();
         let table = |at: usize| {
-            let cells = |row: &Cells| row.cells[at * one..(at + 1) * one].to_vec();
-            let row = |row: &Cells| Cells { line: row.line, cells: cells(row) };
+            let row = |row: &Cells| Cells {
+                line: row.line,
+                cells: row.cells[at * one..(at + 1) * one].to_vec(),
+            };
+            let there = |row: &Cells| row.cells.iter().any(|cell| !cell.is_empty());
             let own = titles.len() == width / one;
             Self {
                 title: if own { titles[at].to_owned() } else { self.title.clone() },
                 names: self.names[at * one..(at + 1) * one].to_vec(),
-                rows: self.rows.iter().map(row).collect(),
+                rows: self.rows.iter().map(row).filter(there).collect(),
                 ..self.clone()
             }
         };
-        (0..width / one).map(table).collect()
+        let tables: Vec<Self> = (0..width / one).map(table).collect();
+        let sizes =
+            |of: &Self| of.rows.iter().map(|row| row.cells[size].clone()).collect::<HashSet<_>>();
+        let halves = |pair: &[Self]| {
+            pair[0].names == pair[1].names && sizes(&pair[0]).is_disjoint(&sizes(&pair[1]))
+        };
+        if !tables.windows(2).all(halves) || titles.len() == tables.len() {
+            return tables;
+        }
+        let mut stacked =
+            Self { rows: tables.into_iter().flat_map(|table| table.rows).collect(), ..self };
+        stacked.names.truncate(one);
+        stacked.notes.push("halves that stand side by side are one table".into());
+        vec![stacked]
     }
 
     /// Columns of equal length with their names.
@@ -164,6 +199,11 @@ impl Block {
         let names = columns.iter().map(|(name, _)| name.clone()).collect();
         Self { end, ..Self::of_rows(line, names, rows) }
     }
+}
+
+/// The place of the first size whose name says so.
+fn is_size_of(names: &[String]) -> Option<usize> {
+    names.iter().position(|name| is_size(name))
 }
 
 /// A number of a cell, and the words before it.
@@ -432,18 +472,24 @@ fn cut(text: &str, separator: Separator) -> Vec<String> {
             cells.map(|cell| owned(&cell.replace(['$', '~'], ""))).collect()
         }
         Separator::Pipe => {
-            let text = text.trim().replace("\\|", ESCAPED);
+            let text = quoted_bars(&text.trim().replace("\\|", ESCAPED));
             let text = text.as_str();
             let inner = text.strip_prefix(BARS);
             let inner = inner.map_or(text, |inner| inner.strip_suffix(BARS).unwrap_or(inner));
             inner.split(BARS).map(|cell| owned(&cell.replace(ESCAPED, "\\|"))).collect()
         }
         Separator::Character(separator) => {
-            // A separator between quotes is text.
-            let (mut cells, mut start, mut quoted) = (Vec::new(), 0, false);
+            // A separator between quotes is text, and so is one in brackets behind a word.
+            let (mut cells, mut start, mut quoted, mut depth) = (Vec::new(), 0, false, 0usize);
+            let closed = text.matches('(').count() == text.matches(')').count();
             for (at, c) in text.char_indices() {
                 quoted ^= c == '"';
-                if c == separator && !quoted {
+                match c {
+                    '(' if closed && text[start..at].contains(char::is_alphabetic) => depth += 1,
+                    ')' => depth = depth.saturating_sub(1),
+                    _ => {}
+                }
+                if c == separator && !quoted && depth == 0 {
                     cells.push(owned(&text[start..at]));
                     start = at + c.len_utf8();
                 }
@@ -471,6 +517,22 @@ fn cut(text: &str, separator: Separator) -> Vec<String> {
             cells
         }
     }
+}
+
+/// A bar between backticks or dollars is no end of a cell.
+fn quoted_bars(text: &str) -> String {
+    let mut out = text.to_owned();
+    for mark in ['`', '$'] {
+        let inside = |(at, part): (usize, &str)| match at % 2 {
+            1 => part.replace('|', ESCAPED),
+            _ => part.to_owned(),
+        };
+        if out.matches(mark).count() % 2 == 0 {
+            let parts: Vec<String> = out.split(mark).enumerate().map(inside).collect();
+            out = parts.join(&mark.to_string());
+        }
+    }
+    out
 }
 
 /// A cell of LaTeX that spans columns is followed by empty ones.

@@ -275,6 +275,9 @@ fn tables(text: &str) -> Vec<Vec<List>> {
         let name = list.name.rsplit_once('(').filter(|(_, inner)| !inner.contains(')'));
         let name = name.map_or(&*list.name, |(_, inner)| inner).replace('$', "");
         list.name = singular(name.trim_matches(|c: char| c.is_whitespace() || "\"'`|".contains(c)));
+        if list.name.is_empty() && list.cells.iter().all(|cell| cell.contains(['x', '×'])) {
+            (list.name, list.across) = ("mesh".into(), true);
+        }
         let followed = list.followed && !list.assigned && list.cells.len() > 1;
         if (list.across || followed) && is_size(&list.name) {
             (head, end) = (Some(list.clone()), list.end);
@@ -299,13 +302,22 @@ fn tables(text: &str) -> Vec<Vec<List>> {
     }
     lists.retain(|list| list.cells.len() > 1 && !list.name.is_empty() && !is_rate(&list.name));
     let mut tables: Vec<Vec<List>> = Vec::new();
-    for list in lists {
-        let takes = |table: &&mut Vec<List>| {
+    for mut list in lists {
+        // Sizes that come again begin another table; an error that does so is another one.
+        let alike = |table: &&mut Vec<List>| {
+            let known = |list: &List| table.iter().any(|known| known.name == list.name);
             table[0].cells.len() == list.cells.len()
-                && table.iter().all(|known| known.name != list.name)
+                && (!known(&list) || is_size(&table[0].name) && !is_size(&list.name))
         };
-        match tables.last_mut().filter(takes) {
-            Some(table) => table.push(list),
+        match tables.last_mut().filter(alike) {
+            Some(table) => {
+                let name = std::mem::take(&mut list.name);
+                let mut names =
+                    (1..).map(|n| if n > 1 { format!("{name} ({n})") } else { name.clone() });
+                let free = |name: &String| table.iter().all(|known| known.name != *name);
+                list.name = names.find(free).unwrap_or_default();
+                table.push(list);
+            }
             None => tables.push(vec![list]),
         }
     }

@@ -36,6 +36,7 @@ fn pairs(line: &str) -> Vec<(String, String)> {
     let bare: String = parts.concat().chars().filter(|c| !"{}\"'".contains(*c)).collect();
     let spaced = bare
         .replace(":=", "=")
+        .replace("::", " , ")
         .replace(['=', ':'], " = ")
         .replace([',', ';'], " , ")
         .replace(" %", "%");
@@ -50,9 +51,11 @@ fn pairs(line: &str) -> Vec<(String, String)> {
     // `122 elements` has its name behind.
     let count = |word: Option<&&str>| {
         let word = word.map(|word| word.trim_matches(['(', ')', '.']));
-        let of_mesh =
-            |word: &&str| matches!(role(word), Role::Space(Measure::Cells | Measure::Unknowns));
-        word.filter(|word| word.len() > 2).filter(of_mesh).map(str::to_owned)
+        let counts = |word: &&str| match role(word) {
+            Role::Space(measure) | Role::Time(measure) => measure != Measure::Length,
+            _ => false,
+        };
+        word.filter(|word| word.len() > 2).filter(counts).map(str::to_owned)
     };
     // `L2 error with N = 16: 0.05` is a size, and an error before and behind it.
     let mut error_of: Option<String> = None;
@@ -79,6 +82,15 @@ fn pairs(line: &str) -> Vec<(String, String)> {
             }
             // What stands in brackets after a value is no name, nor is a mark of a list.
             _ if name.is_empty() && (word.starts_with('(') || word == "|" || is_mark(word)) => {}
+            // `N=16 1.4e-2`.
+            _ if name.is_empty()
+                && error_of.is_none()
+                && number(word).is_some()
+                && found.last().is_some_and(|(name, _)| is_size(name))
+                && words.peek().is_none() =>
+            {
+                found.push((BEHIND.into(), word.to_owned()));
+            }
             "is" | "was" if error_of.is_some() && name.is_empty() => {}
             _ if number(word).is_some() && count(words.peek()).is_some() => {
                 found.extend(count(words.peek()).map(|name| (name, word.to_owned())));

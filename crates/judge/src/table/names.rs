@@ -184,7 +184,10 @@ fn fitted(names: Vec<String>, width: usize, rows: &[Cells]) -> Option<(Vec<Strin
     // Rates without names are the columns whose first cell is missing.
     let missing = |at: &usize| rows[0].cells.get(*at).is_some_and(|cell| is_missing(cell));
     let rates: Vec<usize> = (0..width).filter(missing).collect();
-    if rates.len() == extra && rows.len() > 1 {
+    // Beside a column of row numbers the last may have one.
+    let numbered =
+        || extra == 1 && is_index(rows) && names.last().is_some_and(|name| is_rate(name));
+    if rates.len() == extra && rows.len() > 1 && !(rates == [width - 1] && numbered()) {
         let mut names = names.into_iter();
         let name = |at: usize| match rates.contains(&at) {
             true => Some("rate".to_owned()),

@@ -165,7 +165,8 @@ fn rows(
 ) {
     let mut places = HashMap::new();
     let mut counts: HashMap<Vec<&str>, i32> = HashMap::new();
-    for (at, cells) in block.rows.iter().enumerate() {
+    let rows = block.rows.iter().enumerate().filter(|(at, _)| !columns.again.contains(at));
+    for (at, cells) in rows {
         let text = |place: usize| cells.cells[place].as_str();
         let step = |direction: usize| {
             columns.steps[direction].as_ref().map_or(f64::NAN, |steps| steps[at])

@@ -1,7 +1,7 @@
 //! The sizes of the rows, by the columns that hold them, and what rates and counts say of sizes that no column holds.
 
 use super::TableError;
-use super::cell::{Measure, Role, is_rate, normal, sides};
+use super::cell::{Measure, Role, is_missing, is_rate, normal, sides};
 use super::columns::{Measured, Reader, Size};
 use super::line::Cells;
 use crate::fit::is_step;
@@ -96,7 +96,7 @@ impl Reader<'_> {
         let behind = of.at + 1..self.roles.len();
         let rates = behind
             .take_while(|&at| self.roles[at] == Role::Ignored)
-            .find(|&at| is_rate(self.name(at)))?;
+            .find(|&at| is_rate(self.name(at)) || is_missing(&self.block.rows[0].cells[at]))?;
         let entries = self.column(rates, false).ok()?;
         let pair = |row: usize| {
             let fall = (of.entries[row - 1]? / of.entries[row]?).ln();

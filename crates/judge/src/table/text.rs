@@ -1,16 +1,17 @@
 //! Finds the tables of a text: lines are classified, rows that agree make a block, the line above names its columns.
 
 use super::cell::{Role, is_norm, is_size, number, role};
-use super::guess::{has_errors, unnamed};
+use super::guess::{has_errors, ladders, unnamed};
 use super::line::{
-    Block, Cells, Kind, Line, Separator, classify, is_title, is_word, numbers, plain, uncommented,
+    Block, Cells, Kind, Line, Separator, classify, is_rule, is_title, is_word, numbers, plain,
+    uncommented,
 };
 use super::lists::{lists, sizes};
 use super::loose::{self, Records};
 use super::names::head;
 
 /// The ways to cut a text into blocks.
-const WAYS: [fn(&str) -> Vec<Block>; 15] = [
+const WAYS: [fn(&str) -> Vec<Block>; 16] = [
     |text| lists(text, true),
     |text| blocks(text, Separator::Latex),
     |text| blocks(text, Separator::Pipe),
@@ -26,6 +27,7 @@ const WAYS: [fn(&str) -> Vec<Block>; 15] = [
     |text| lists(text, false),
     nameless,
     bracketed,
+    leading,
 ];
 
 /// The blocks by every way to cut the text, each as a list: the first with a table in it is meant. What nothing is found in is
@@ -59,12 +61,47 @@ fn nameless(text: &str) -> Vec<Block> {
         let bare = |block: Block| unnamed(&block).unwrap_or(block);
         // `a = 1 2` is no row.
         let row = |block: &Block| !block.rows[0].cells.contains(&"=".to_owned());
-        let bare: Vec<Block> = blocks.into_iter().filter(row).map(bare).collect();
+        let bare = blocks.into_iter().filter(row).flat_map(ladders).map(bare);
+        let bare: Vec<Block> = bare.collect();
         if bare.iter().any(has_errors) {
             return bare;
         }
     }
     Vec::new()
+}
+
+/// The numbers that lines begin with, whatever stands behind and between them; a line of words above them may hold names.
+fn leading(text: &str) -> Vec<Block> {
+    let (mut rows, mut passed, mut above) = (Vec::new(), Vec::new(), None);
+    for (at, line) in (1..).zip(text.lines()) {
+        let words = line.split_whitespace().map(|word| word.trim_end_matches([',', ';', ':']));
+        let bare: Vec<&str> = words.take_while(|word| number(word).is_some()).collect();
+        let names = |line: &&str| {
+            let words = line.split_whitespace();
+            // One word names no row of two numbers, nor does a sentence.
+            !line.trim_end().ends_with(['.', ':'])
+                && !is_rule(line)
+                && words.clone().all(|word| number(word).is_none())
+                && words.count() >= bare.len().max(3) - 1
+        };
+        let row = bare.len() > 1;
+        if row && above.as_ref().is_some_and(names) {
+            return Vec::new();
+        }
+        if !row && !line.trim().is_empty() {
+            above = Some(line);
+            passed.extend(line.contains(|c: char| c.is_ascii_digit()).then_some(at));
+        } else if row {
+            above = None;
+        }
+        rows.push(if row { bare.join(" ") } else { String::new() });
+    }
+    let mut found = nameless(&rows.join("\n"));
+    for block in &mut found {
+        let within = block.line..block.end;
+        block.left_out.extend(passed.iter().filter(|line| within.contains(line)));
+    }
+    found
 }
 
 /// Rows in brackets, or parted by semicolons, as scripts write matrices and pairs.
