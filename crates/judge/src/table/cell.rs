@@ -207,7 +207,7 @@ const COUNTERS: &str = "cycle cycles ref iter iters iterations its it time times
 const RUNS: &str = "seed run runs trial sample repetition rep";
 const PARAMETERS: &str = "degree deg p polynomialdegree polydeg scheme method element fe cfl solver case problem test type integrator";
 const NORM_NAMES: &str = "e eu ep eh u v uh velocity pressure displacement stress gradient grad flux dg temperature \
-    div curl semi rms inf max sup maximum emax";
+    div curl semi rms rmse mae mse diff discrepancy inf max sup maximum emax";
 const SPACES: &str = "l1 l2 l4 l8 linf h0 h1 h2 w1";
 
 /// A name in lower case without signs and LaTeX commands.

@@ -3,11 +3,11 @@
 use std::collections::{HashMap, HashSet};
 
 use super::cell::{
-    Comma, Measure, Number, Role, is_missing, is_rate, likeness, named, normal, number, role,
-    says_error,
+    Comma, Measure, Number, Role, is_missing, is_rate, likeness, named, number, role, says_error,
 };
 use super::guess::{
-    approach_a_limit, are_orders, by_numbers, by_powers, by_values, confirm, of_errors,
+    approach_a_limit, are_orders, by_numbers, by_powers, by_values, confirm, hardly_changes,
+    of_errors,
 };
 use super::line::{Block, Cells, is_computed, listed};
 use super::{Quantity, Reading, TableError};
@@ -160,18 +160,6 @@ impl<'a> Reader<'a> {
         let names: Vec<&str> = block.names.iter().map(String::as_str).collect();
         let mut roles: Vec<Role> = names.iter().map(|name| role(name)).collect();
         let missing = |what: String| TableError::at(block.line, what);
-        // Beside errors an energy that hardly changes is a value: an error that is refined twice changes by more than a tenth.
-        let errors = names.iter().any(|name| normal(name).contains("err"));
-        for at in (0..roles.len()).filter(|&at| errors && normal(names[at]) == "energy") {
-            let sizes =
-                block.rows.iter().filter_map(|row| Some(number(&row.cells[at])?.value.abs()));
-            let sizes: Vec<f64> = sizes.collect();
-            let [least, most] =
-                [f64::min, f64::max].map(|of| sizes.iter().copied().reduce(of).unwrap_or(f64::NAN));
-            if sizes.len() > 2 && most < 1.1 * least {
-                roles[at] = Role::Unknown;
-            }
-        }
         for asked in &reading.errors {
             // Of a table with a column `norm` it is the name of one.
             if let Ok(at) = named(asked, &names)
@@ -426,11 +414,15 @@ impl<'a> Reader<'a> {
     /// stress may be a value or an error.
     fn no_values(&self, wide: &[usize]) -> Result<Vec<usize>, TableError> {
         let asked = |name: &str| self.reading.errors.iter().any(|asked| likeness(asked, name) > 0);
+        // Beside errors an energy that hardly changes is a value.
+        let beside = wide.iter().any(|&at| says_error(self.name(at)));
         let is_value = |at: &usize| {
             let name = self.name(*at);
             let entries =
                 || self.column(*at, false).ok()?.into_iter().collect::<Option<Vec<f64>>>();
-            !says_error(name) && !asked(name) && entries().is_some_and(|e| approach_a_limit(&e))
+            !says_error(name)
+                && !asked(name)
+                && entries().is_some_and(|e| approach_a_limit(&e) || beside && hardly_changes(&e))
         };
         let (values, errors): (Vec<usize>, Vec<usize>) = wide.iter().partition(|at| is_value(at));
         match (values.first(), errors.is_empty()) {

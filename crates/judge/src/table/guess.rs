@@ -60,6 +60,12 @@ fn factor(numbers: &[f64], differ: f64) -> Option<f64> {
 fn size(rows: &[Cells], at: usize) -> Option<Measure> {
     let numbers = numbers(rows, at)?;
     let whole = numbers.iter().all(|number| number.fract() == 0.0);
+    // Counts in the first column may grow as people choose them, not evenly as rows and degrees do.
+    let grows = |pair: &[f64]| (1.2..LARGEST_FACTOR).contains(&(pair[1] / pair[0]));
+    let even = numbers.windows(3).all(|all| all[2] - all[1] == all[1] - all[0]);
+    if at == 0 && whole && !even && numbers.windows(2).all(grows) {
+        return Some(Measure::Number);
+    }
     let factor = factor(&numbers, if whole { 1e-9 } else { FACTORS_DIFFER })?;
     let sound = factor.max(1.0 / factor) < LARGEST_FACTOR && (factor - 1.0).abs() > 0.2;
     match (sound, whole, factor > 1.0) {
@@ -69,19 +75,13 @@ fn size(rows: &[Cells], at: usize) -> Option<Measure> {
     }
 }
 
-/// What the sizes of the first of several columns without names are that fall, or grow, and are round as people choose them.
+/// Lengths in the first of several columns without names fall and are round, as people choose them.
 fn round(block: &Block) -> Option<Measure> {
     let bare = block.names.len() > 1 && block.names[0] == format!("{COLUMN} 1");
     let numbers = numbers(&block.rows, 0).filter(|_| bare)?;
     let short = |row: &Cells| row.cells[0].trim_matches(['0', '.']).len() <= ROUND;
-    let goes = |sign: f64| numbers.windows(2).all(|pair| sign * (pair[1] - pair[0]) > 0.0);
-    match block.rows.iter().all(short) {
-        true if goes(-1.0) => Some(Measure::Length),
-        true if goes(1.0) && numbers.iter().all(|number| number.fract() == 0.0) => {
-            Some(Measure::Number)
-        }
-        _ => None,
-    }
+    let falls = numbers.windows(2).all(|pair| pair[1] < pair[0]);
+    (falls && block.rows.iter().all(short)).then_some(Measure::Length)
 }
 
 /// Whether the rows refine from first to last, or from last to first, at one rate.
@@ -230,8 +230,12 @@ pub(super) fn by_powers(block: &Block, named: bool, roles: &mut [Role], notes: &
         Role::Space(measure) | Role::Time(measure) => Some(measure),
         _ => None,
     };
-    let sized = roles.iter().enumerate().find_map(|(at, role)| Some((at, size(role)?)));
-    let Some((at, measure)) = sized else { return };
+    let numeric = |at: usize| block.rows.iter().any(|row| value(row, at).is_some());
+    let sized = roles.iter().enumerate().filter(|(at, _)| numeric(*at));
+    let Some((at, measure)) = sized.into_iter().find_map(|(at, role)| Some((at, size(role)?)))
+    else {
+        return;
+    };
     let step = |row: &Cells| {
         let number = value(row, at)?;
         Some(match measure {
@@ -247,13 +251,15 @@ pub(super) fn by_powers(block: &Block, named: bool, roles: &mut [Role], notes: &
     let falls = |at: usize| {
         let errors: Vec<f64> =
             block.rows.iter().map(|row| value(row, at).map_or(f64::NAN, f64::ln)).collect();
+        // Above 1 they may be per cent.
+        let unit = if block.names[at].contains('%') { 100f64.ln() } else { 0.0 };
+        let errors: Vec<f64> = errors.iter().map(|error| error - unit).collect();
         falls_like_a_power(&steps, &errors)
     };
     let other = |at: usize| {
         let name = block.names[at].to_lowercase();
         is_other(&name) || LENGTHS.split(' ').any(|length| name.contains(length))
     };
-    let numeric = |at: usize| block.rows.iter().any(|row| value(row, at).is_some());
     let open = |at: &usize| roles[*at] == Role::Unknown && !other(*at) && numeric(*at);
     let open: Vec<usize> = (0..roles.len()).filter(open).collect();
     let found: Vec<(usize, f64)> = open.iter().filter_map(|&at| Some((at, falls(at)?))).collect();
@@ -372,6 +378,12 @@ pub(super) fn are_orders(title: &str, entries: &[Option<f64>]) -> bool {
     let all = || entries.iter().flatten().copied();
     let (least, most) = (all().fold(f64::MAX, f64::min), all().fold(0.0, f64::max));
     said && all().count() > 2 && least > 0.2 && most < 15.0 && most < 3.0 * least
+}
+
+/// Whether three numbers and more are within a tenth: an error that is refined twice changes by more.
+pub(super) fn hardly_changes(entries: &[f64]) -> bool {
+    let sizes = || entries.iter().map(|entry| entry.abs());
+    entries.len() > 2 && sizes().fold(0.0, f64::max) < 1.1 * sizes().fold(f64::MAX, f64::min)
 }
 
 /// Numbers that change in one direction, by less from row to row, and by less than half in all. An error that is refined

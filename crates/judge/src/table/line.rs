@@ -123,6 +123,70 @@ impl Block {
         self
     }
 
+    /// Sizes within the words of the first column, `Binomial (N=10)` or `Modes: 31 to 241`, as a column of their own.
+    pub(super) fn within(mut self) -> Self {
+        let width = self.names.len();
+        let worded = self
+            .rows
+            .iter()
+            .all(|row| row.cells.len() == width && width > 1 && number(&row.cells[0]).is_none());
+        let sized = |at: usize| {
+            is_size(&self.names[at]) && self.rows.iter().all(|row| number(&row.cells[at]).is_some())
+        };
+        if !worded || self.rows.len() < 3 || (1..width).any(sized) {
+            return self;
+        }
+        let mut groups: Vec<(String, Vec<usize>)> = Vec::new();
+        let parts: Vec<(String, Vec<String>)> =
+            self.rows.iter().map(|row| words_and_numbers(&row.cells[0])).collect();
+        for (at, (words, numbers)) in parts.iter().enumerate() {
+            match groups.iter_mut().find(|(known, _)| known == words) {
+                Some((_, rows)) => rows.push(at),
+                None if numbers.is_empty() || !words.contains(char::is_alphabetic) => {}
+                None => groups.push((words.clone(), vec![at])),
+            }
+        }
+        groups.retain(|(_, rows)| rows.len() > 2);
+        // Of the numbers of a row one is a mesh, has the name of a size before it, or goes towards another that stays; seeds do not.
+        let column = |words: &str, rows: &[usize], place: usize| -> Option<Vec<f64>> {
+            let sides = |place: usize| -> Option<Vec<f64>> {
+                let side = |at: &usize| parts[*at].1.get(place)?.split('x').next()?.parse().ok();
+                rows.iter().map(side).collect()
+            };
+            let sizes = sides(place)?;
+            let before = words.split('…').nth(place)?.trim_end_matches([' ', '=', ':']);
+            let name = before.rsplit([' ', '(', ',']).next()?;
+            let towards = sides(place + 1).is_some_and(|to| {
+                to.iter().zip(&sizes).all(|(end, size)| *end == to[0] && end > size)
+            });
+            let known = parts[rows[0]].1[place].contains('x') || is_size(name) || towards;
+            let grow = sizes.windows(2).all(|pair| pair[1] > pair[0]);
+            let even = sizes.windows(3).all(|all| all[2] - all[1] == all[1] - all[0]);
+            let whole = sizes.iter().all(|size| size.fract() == 0.0);
+            (known && grow && !even && whole).then_some(sizes)
+        };
+        let mut rows = Vec::new();
+        for (words, of) in &groups {
+            let mut sizes = (0..parts[of[0]].1.len()).filter_map(|place| column(words, of, place));
+            let (Some(sizes), None) = (sizes.next(), sizes.next()) else { return self };
+            for (&at, size) in of.iter().zip(&sizes) {
+                let mut row = self.rows[at].clone();
+                let words = words.trim_matches(|c: char| !c.is_alphanumeric() && c != ')');
+                row.cells.splice(0..1, [words.to_owned(), size.to_string()]).for_each(drop);
+                rows.push(row);
+            }
+        }
+        if rows.is_empty() {
+            return self;
+        }
+        let lost = |row: &&Cells| rows.iter().all(|kept: &Cells| kept.line != row.line);
+        self.left_out.extend(self.rows.iter().filter(lost).map(|row| row.line));
+        self.notes.push(format!("`n` stands within `{}`", self.names[0]));
+        self.names.insert(1, "n".into());
+        self.rows = rows;
+        self
+    }
+
     /// With the one list of sizes in the text that has a number for each row, where no column holds any.
     pub(super) fn sized(mut self, lists: &[(String, Vec<String>)]) -> Self {
         let mut fit =
@@ -199,6 +263,30 @@ impl Block {
         let names = columns.iter().map(|(name, _)| name.clone()).collect();
         Self { end, ..Self::of_rows(line, names, rows) }
     }
+}
+
+/// A cell with a mark in place of each number, and these; `P2` and `RK4` are words.
+fn words_and_numbers(cell: &str) -> (String, Vec<String>) {
+    let (mut words, mut numbers, mut open) = (String::new(), Vec::<String>::new(), false);
+    let cell = cell.replace('×', "x");
+    for (at, c) in cell.char_indices() {
+        let next = cell[at + c.len_utf8()..].starts_with(|c: char| c.is_ascii_digit());
+        match numbers.last_mut() {
+            Some(number) if open && (c.is_ascii_digit() || ".x".contains(c) && next) => {
+                number.push(c)
+            }
+            _ if c.is_ascii_digit() && !words.ends_with(char::is_alphanumeric) => {
+                numbers.push(c.to_string());
+                words.push('…');
+                open = true;
+            }
+            _ => {
+                words.push(c);
+                open = false;
+            }
+        }
+    }
+    (words, numbers)
 }
 
 /// The place of the first size whose name says so.

@@ -60,7 +60,10 @@ fn pairs(line: &str) -> Vec<(String, String)> {
     // `L2 error with N = 16: 0.05` is a size, and an error before and behind it.
     let mut error_of: Option<String> = None;
     while let Some(word) = words.next() {
-        let named = name.join(" ").replace(JOINED[0], ",").replace(JOINED[1], ";");
+        // `test_order[2] n = 16`.
+        let from = name.iter().rposition(|word| word.contains('[')).map_or(0, |at| at + 1);
+        let from = from.min(name.len().saturating_sub(1));
+        let named = name[from..].join(" ").replace(JOINED[0], ",").replace(JOINED[1], ";");
         // A sentence may end with a number.
         let bare = word.trim_end_matches('.');
         let word = if number(bare).is_some() { bare } else { word };
@@ -181,7 +184,12 @@ pub(super) enum Records {
 pub(super) fn records(text: &str, begins: Records) -> Vec<Block> {
     let lines: Vec<(u64, &str)> = (1..).zip(text.lines()).collect();
     let heading = |line: &str| {
-        line.starts_with('#') || line.trim_end().ends_with(':') && pairs(line).is_empty()
+        let parameter =
+            |pairs: &[(String, String)]| pairs.len() == 1 && role(&pairs[0].0) == Role::Parameter;
+        let pairs = pairs(line);
+        line.starts_with('#')
+            || line.trim_end().ends_with(':') && pairs.is_empty()
+            || parameter(&pairs)
     };
     let below = || lines.chunk_by(|_, (_, next)| !heading(next));
     let several = lines.iter().skip(1).any(|(_, line)| heading(line));

@@ -21,6 +21,16 @@ pub(super) fn head(
             value.split([' ', ',']).all(|word| word.is_empty() || number(word).is_some())
         })
     };
+    // A row with one number, as that of an exact value, below the names of so many columns.
+    let numbers = |line: &Line| line.cells.iter().filter(|cell| number(cell).is_some()).count();
+    if let [row, names, ..] = texts[..]
+        && [row, names].iter().all(|line| line.cells.len() == width && width > 2)
+        && numbers(row) > 0
+        && numbers(names) == 0
+        && names.cells.iter().any(|name| is_norm(name))
+    {
+        left_out.push(texts.remove(0).number);
+    }
     // A title may stand between the names and the rows.
     if let [title, names, ..] = texts[..]
         && (is_title(title) || assigns(title))

@@ -43,7 +43,8 @@ pub(super) fn readings(text: &str) -> impl Iterator<Item = Vec<Block>> {
     texts.flat_map(|text| {
         let sizes = sizes(&text);
         WAYS.iter().map(move |way| {
-            let blocks = way(&text).into_iter().map(Block::tidied).flat_map(Block::parted);
+            let blocks =
+                way(&text).into_iter().map(|block| block.tidied().within()).flat_map(Block::parted);
             blocks.map(|block| block.sized(&sizes)).collect()
         })
     })
