@@ -280,7 +280,7 @@ fn falls_like_a_power(steps: &[f64], errors: &[f64]) -> Option<f64> {
     let forward = pairs().map(|(h, ..)| h.signum()).sum::<f64>();
     let ladders = 1 + pairs().filter(|(h, ..)| h * forward <= 0.0).count();
     let mut along: Vec<(f64, f64)> = pairs()
-        .filter(|(h, _, least)| h * forward > 0.0 && !(*least < ROUNDING.ln()))
+        .filter(|(h, _, least)| h * forward > 0.0 && *least >= ROUNDING.ln())
         .map(|(h, e, _)| (e / h, e.abs()))
         .collect();
     // What one ladder does below so many digits may be rounding.
