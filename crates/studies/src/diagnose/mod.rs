@@ -11,16 +11,15 @@
 
 mod trial;
 
-pub use trial::Suspect;
-pub(crate) use trial::{Trial, trials_in_space, trials_in_time};
+pub use trial::{Outcome, Suspect};
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use self::trial::{Question, SceneTerms};
-use algebra::linalg::larger;
+use self::trial::{Trial, trials_in_space, trials_in_time};
+use algebra::linalg::{dot, larger};
 use fem::contact::{KKT_ALLOWED, LoadError, kkt_residual};
 use judge::claim::{Claim, Place, Relation, Standing, Statement};
-use judge::record::{CaseRecord, Status};
+use judge::record::{CaseRecord, NormError, Status};
 use judge::verdict::{Decision, Variable, Verdict};
 use rayon::prelude::*;
 use report::{Chapter, Findings};
@@ -64,7 +63,7 @@ pub fn diagnose(
     has_exact_solution(scene)?;
     let mut found = Diagnosis {
         scene: [scene.name.clone(), scene.source.hash.clone()],
-        verdicts: run_cases(scene.clone(), prepare, verdicts)?,
+        verdicts: run_cases(scene.clone(), prepare, |_, _, verdicts| verdicts)?,
         outcomes: Vec::new(),
         finding: None,
         sentence: String::new(),
@@ -146,9 +145,9 @@ pub fn admit_diagnosis(scene: &Scene, jobs: usize, limit: &MemoryLimit) -> Resul
     if has_exact_solution(scene).is_err() {
         return Ok(());
     }
-    let first = |trials: Vec<Trial>| Some((trials.first()?.of(scene).ok()?, jobs));
-    let ladders = [first(trials_in_time(scene)), first(trials_in_space(scene))];
+    let first = |trials: Vec<Trial>| trials.into_iter().next().map(|(variant, _)| (variant, jobs));
     // Trials run side by side, and share no mesh.
+    let ladders = [first(trials_in_time(scene)), first(trials_in_space(scene))];
     for (scene, times) in std::iter::once((scene.clone(), 1)).chain(ladders.into_iter().flatten()) {
         let Ok(subject) = Subject::new(scene) else { continue };
         let plan = ScenePlan::new(subject, &Overrides::default());
@@ -164,7 +163,7 @@ pub fn admit_diagnosis(scene: &Scene, jobs: usize, limit: &MemoryLimit) -> Resul
 /// everything in V^h is sound.
 pub fn examine(scene: &Scene, prepare: &Prepare<'_>, in_space: bool) -> (Vec<Outcome>, Finding) {
     let run_all = |trials: Vec<Trial>| -> Vec<Outcome> {
-        trials.par_iter().map(|trial| run(scene, trial, prepare)).collect()
+        trials.into_par_iter().map(|trial| run(trial, prepare)).collect()
     };
     let mut outcomes = run_all(trials_in_time(scene));
     let sound = outcomes.iter().all(|outcome| outcome.decision != Decision::Fail);
@@ -173,10 +172,8 @@ pub fn examine(scene: &Scene, prepare: &Prepare<'_>, in_space: bool) -> (Vec<Out
         // All terms first: only where they fail the dearer ladder has something to tell.
         let mut ladder = trials_in_space(scene);
         let removals = ladder.split_off(1.min(ladder.len()));
-        let all = run_all(ladder);
-        let fails = all.iter().any(|outcome| outcome.decision == Decision::Fail);
-        outcomes.extend(all);
-        if fails {
+        outcomes.extend(run_all(ladder));
+        if outcomes.iter().any(|outcome| outcome.decision == Decision::Fail) {
             outcomes.extend(run_all(removals));
         }
     }
@@ -208,40 +205,8 @@ pub type Prepare<'a> = dyn Fn(Setup) -> Setup + Sync + 'a;
 /// rounding stays three to five orders below on the coarse meshes of the trials.
 pub const EXACT_WITHIN: f64 = 1e-9;
 
-/// What a trial showed.
-#[derive(Debug, Clone, serde::Serialize)]
-pub struct Outcome {
-    /// Name of the variant.
-    pub name: String,
-    /// Its terms in words.
-    pub terms: String,
-    /// The term that it lacks, in the ladder of removals.
-    pub removed: Option<Suspect>,
-    /// What took part.
-    pub suspects: Vec<Suspect>,
-    /// Pass: a sound solver shows this. Fail: it does not. Unresolved: it says nothing.
-    #[serde(rename = "verdict")]
-    pub decision: Decision,
-    /// What it had to show; its note says why it does or does not.
-    pub claim: Claim,
-}
-
-impl Outcome {
-    /// Of a trial that says nothing.
-    fn silent(trial: &Trial, note: String) -> Self {
-        Self {
-            name: trial.change.words().to_owned(),
-            terms: trial.terms.words(),
-            removed: trial.removed,
-            suspects: trial.suspects.clone(),
-            decision: Decision::Unresolved,
-            claim: Claim { note, ..Claim::default() },
-        }
-    }
-}
-
 /// What a verdict says of an order, decided like this.
-pub(super) fn order(verdict: &Verdict, at: &str, decision: Decision) -> Claim {
+fn order(verdict: &Verdict, at: &str, decision: Decision) -> Claim {
     let source = match verdict.variable {
         Variable::H => "order in h",
         Variable::K => "order in k",
@@ -258,21 +223,18 @@ pub(super) fn order(verdict: &Verdict, at: &str, decision: Decision) -> Claim {
     }
 }
 
-/// A case that was run, by its setup on its mesh.
-pub(crate) type Case<'a> = (&'a Setup, &'a MeshData, CaseRecord);
+/// A case that was run, on its mesh.
+type Case<'a> = (&'a MeshData, CaseRecord);
 
-/// Runs the cases of a scene with the solver that `prepare` puts in, and shows all of them to `see`.
-///
-/// # Errors
-/// What the setup refuses.
-pub(crate) fn run_cases<T>(
+/// Runs the cases of a scene with the solver that `prepare` puts in, and shows all of them with their verdicts to `see`.
+fn run_cases<T>(
     scene: Scene,
     prepare: &Prepare<'_>,
-    see: impl FnOnce(&ScenePlan, &[Case<'_>]) -> T,
+    see: impl FnOnce(&Setup, &[Case<'_>], Vec<Verdict>) -> T,
 ) -> Result<T, SetupError> {
-    let setup = Box::new(prepare(Setup::new(scene)?));
-    let plan = ScenePlan::new(Subject::Contact(setup), &Overrides::default());
-    let Subject::Contact(setup) = &plan.subject else { return Ok(see(&plan, &[])) };
+    let setup = prepare(Setup::new(scene)?);
+    let plan = ScenePlan::new(Subject::Contact(Box::new(setup)), &Overrides::default());
+    let Subject::Contact(setup) = &plan.subject else { unreachable!("a body stays one") };
     let ns: BTreeSet<u32> = plan.cases.iter().filter_map(|case| case.n).collect();
     let meshes: BTreeMap<u32, MeshData> = ns
         .into_par_iter()
@@ -280,52 +242,50 @@ pub(crate) fn run_cases<T>(
         .collect::<Result<_, _>>()?;
     let one = |case: &CasePlan| -> Option<Case<'_>> {
         let data = meshes.get(&case.n?)?;
-        Some((&**setup, data, plan.record(case, || Ok(run_contact_case(setup, data, case)))))
+        Some((data, plan.record(case, || Ok(run_contact_case(setup, data, case)))))
     };
     let cases: Vec<Case<'_>> = plan.cases.par_iter().filter_map(one).collect();
-    Ok(see(&plan, &cases))
+    let records: Vec<CaseRecord> = cases.iter().map(|(_, record)| record.clone()).collect();
+    Ok(see(setup, &cases, judge_plan(&plan, &records, true)))
 }
 
-/// The verdicts of cases.
-pub(crate) fn verdicts(plan: &ScenePlan, cases: &[Case<'_>]) -> Vec<Verdict> {
-    let records: Vec<CaseRecord> = cases.iter().map(|(.., record)| record.clone()).collect();
-    judge_plan(plan, &records, true)
-}
-
-pub(crate) fn run(scene: &Scene, trial: &Trial, prepare: &Prepare<'_>) -> Outcome {
-    let name = trial.change.words();
-    let see = |plan: &ScenePlan, cases: &[Case<'_>]| {
-        let found = match trial.question {
-            Question::Order => {
-                let rising = [Decision::Pass, Decision::Unresolved, Decision::Fail];
-                let badness = |of: &Verdict| rising.iter().position(|d| *d == of.decision);
-                let worst = verdicts(plan, cases).into_iter().max_by_key(badness);
-                Ok(worst.map(|verdict| (verdict.decision, order(&verdict, name, verdict.decision))))
-            }
-            Question::Exact => exactness(cases, name),
-        };
-        let (decision, claim) = match found {
-            Ok(Some(found)) => found,
-            Ok(None) => return Outcome::silent(trial, String::new()),
-            Err(reason) => return Outcome::silent(trial, format!("not run: {reason}")),
-        };
-        let mut outcome = Outcome { decision, claim, ..Outcome::silent(trial, String::new()) };
-        if trial.terms == SceneTerms::NONE && decision == Decision::Fail {
-            outcome.suspects.retain(|&suspect| suspect != acquitted(cases));
+fn run((variant, mut outcome): Trial, prepare: &Prepare<'_>) -> Outcome {
+    let asks_for_order = variant.judge;
+    let shown = run_cases(variant, prepare, |setup, cases, verdicts| {
+        if !asks_for_order {
+            exactness(setup, cases, &mut outcome)?;
+        } else if let Some(worst) = verdicts.iter().max_by_key(|of| badness(of.decision)) {
+            outcome.decision = worst.decision;
+            outcome.claim = order(worst, &outcome.name, worst.decision);
         }
-        outcome
+        if !outcome.suspects.iter().any(|suspect| suspect.is_term())
+            && outcome.decision == Decision::Fail
+        {
+            outcome.suspects.retain(|&suspect| suspect != acquitted(setup, cases));
+        }
+        Ok::<_, LoadError>(())
+    });
+    let said = match shown {
+        Ok(Ok(())) => return outcome,
+        Ok(Err(error)) => error.to_string(),
+        Err(error) => error.to_string(),
     };
-    let found = trial.of(scene).map_err(SetupError::from).and_then(|s| run_cases(s, prepare, see));
-    found.unwrap_or_else(|error| {
-        let said = error.to_string();
-        Outcome::silent(trial, format!("not run: {}", said.lines().next().unwrap_or_default()))
-    })
+    outcome.claim.note = format!("not run: {}", said.lines().next().unwrap_or_default());
+    outcome
+}
+
+fn badness(decision: Decision) -> u8 {
+    match decision {
+        Decision::Pass => 0,
+        Decision::Unresolved => 1,
+        Decision::Fail => 2,
+    }
 }
 
 /// Of elasticity and loads the one that is not at fault: what solves the equations of its 𝒜 under
 /// the loads of the truth has the right loads; what does not, has them wrong, or does not solve.
-fn acquitted(cases: &[Case<'_>]) -> Suspect {
-    let solves = |(setup, data, record): &Case<'_>| -> bool {
+fn acquitted(setup: &Setup, cases: &[Case<'_>]) -> Suspect {
+    let solves = |(data, record): &Case<'_>| -> bool {
         let mut largest = 0.0f64;
         let marched = setup.scheme.march(setup, data, record.steps, &mut |view| {
             let load = data.truth.load(view.t)?;
@@ -337,47 +297,42 @@ fn acquitted(cases: &[Case<'_>]) -> Suspect {
     if cases.iter().all(solves) { Suspect::Loads } else { Suspect::Elasticity }
 }
 
-/// The largest error of an exact variant, relative to the solution; none without a norm.
-fn exactness(cases: &[Case<'_>], name: &str) -> Result<Option<(Decision, Claim)>, LoadError> {
-    let statement = Statement { source: "exact", says: "error / solution <= 1e-9" };
-    let claim = |left: f64, at: String, note: String| {
-        let place = Place { at, ..Place::default() };
-        let claim = Claim { note, ..Claim::at_most(statement, place, [left, EXACT_WITHIN], 0.0) };
-        let holds = claim.standing() == Standing::Passes;
-        (if holds { Decision::Pass } else { Decision::Fail }, claim)
-    };
-    let mut worst: Option<(&str, f64)> = None;
-    for (setup, data, record) in cases {
+/// The largest error of an exact variant, relative to the solution; without a norm it says nothing.
+fn exactness(setup: &Setup, cases: &[Case<'_>], outcome: &mut Outcome) -> Result<(), LoadError> {
+    let mut worst: Option<(f64, &str, String)> = None;
+    for (data, record) in cases {
         if let Status::Failed { reason } = &record.status {
-            return Ok(Some(claim(f64::NAN, name.into(), format!("no solution: {reason}"))));
+            worst = Some((f64::NAN, "", format!("no solution: {reason}")));
+            break;
         }
-        let sizes = sizes(data, setup.grid(record.steps).times())?;
-        for entry in &record.errors {
-            let size = if entry.norm == judge::record::V_MAX { sizes[0] } else { sizes[1] };
-            let relative = entry.error.unwrap_or(f64::NAN) / size;
-            if worst.is_none_or(|(_, most)| relative > most || relative.is_nan()) {
-                worst = Some((&entry.norm, relative));
+        let [strain, stress] = sizes(data, setup.grid(record.steps).times())?;
+        for NormError { norm, error, .. } in &record.errors {
+            let size = if norm == judge::record::V_MAX { strain } else { stress };
+            let relative = error.unwrap_or(f64::NAN) / size;
+            if worst.as_ref().is_none_or(|(most, ..)| relative > *most || relative.is_nan()) {
+                let note = format!("{norm} is {relative:.1e} of the solution");
+                worst = Some((relative, norm, note));
             }
         }
     }
-    let found = |(norm, relative)| {
-        let note = format!("{norm} is {relative:.1e} of the solution");
-        claim(relative, format!("{name}, {norm}"), note)
-    };
-    Ok(worst.map(found))
+    let Some((left, norm, note)) = worst else { return Ok(()) };
+    let statement = Statement { source: "exact", says: "error / solution <= 1e-9" };
+    let comma = if norm.is_empty() { "" } else { ", " };
+    let place = Place { at: format!("{}{comma}{norm}", outcome.name), ..Place::default() };
+    outcome.claim = Claim { note, ..Claim::at_most(statement, place, [left, EXACT_WITHIN], 0.0) };
+    let holds = outcome.claim.standing() == Standing::Passes;
+    outcome.decision = if holds { Decision::Pass } else { Decision::Fail };
+    Ok(())
 }
 
 /// Largest ‖ε(u_n)‖ and ‖σ_n‖ of the truth; the latter measures pressures too.
 fn sizes(data: &MeshData, times: &[f64]) -> Result<[f64; 2], LoadError> {
-    let mut largest = [f64::MIN_POSITIVE; 2];
+    let (mut largest, d) = ([f64::MIN_POSITIVE; 2], data.space.mesh.dimension);
     for &t in times {
         let moments = data.truth.moments(t)?;
         for (size, field) in largest.iter_mut().zip([&moments.strain, &moments.stress]) {
-            let d = data.space.mesh.dimension;
             let tensors = data.space.points().zip(field.at.chunks_exact(d * (d + 1) / 2));
-            let square: f64 = tensors
-                .map(|(at, tensor)| at.weight * tensor.iter().map(|v| v * v).sum::<f64>())
-                .sum();
+            let square: f64 = tensors.map(|(at, tensor)| at.weight * dot(tensor, tensor)).sum();
             *size = size.max(square.sqrt());
         }
     }
@@ -407,48 +362,37 @@ pub enum Finding {
 /// without acquitting it; a failed trial acquits whatever did not take part. Trials that are unresolved
 /// or could not be run say nothing.
 pub fn culprit(outcomes: &[Outcome]) -> Finding {
-    let with = |decision: Decision| -> Vec<&Outcome> {
-        outcomes.iter().filter(|outcome| outcome.decision == decision).collect()
-    };
-    let (failed, passed) = (with(Decision::Fail), with(Decision::Pass));
-    if failed.is_empty() {
+    let with = |decision: Decision| outcomes.iter().filter(move |o| o.decision == decision);
+    if with(Decision::Fail).next().is_none() {
         return Finding::NothingFails;
     }
-    let bare = |outcome: &&&Outcome| {
-        outcome.suspects.iter().all(|&suspect| is_everywhere(suspect) || suspect == Suspect::Space)
+    // What every run has explains every failure, and is suspected only if a run with nothing else fails.
+    let everywhere = [Suspect::Elasticity, Suspect::Loads];
+    let apart = |suspect: &Suspect| everywhere.contains(suspect) || *suspect == Suspect::Space;
+    let bare_fails = with(Decision::Fail).any(|outcome| outcome.suspects.iter().all(apart));
+    let suspected = Suspect::ALL.iter().map(|(suspect, ..)| *suspect);
+    let suspected = suspected.filter(|suspect| bare_fails || !everywhere.contains(suspect));
+    let suspected: Vec<Suspect> = suspected.collect();
+    // In how many trials that pass some of them take part, where some do in each that fails.
+    let explains = |suspects: &[Suspect]| {
+        let takes_part = |o: &&Outcome| suspects.iter().any(|suspect| o.suspects.contains(suspect));
+        let all = with(Decision::Fail).all(|outcome| takes_part(&outcome));
+        all.then(|| with(Decision::Pass).filter(takes_part).count())
     };
-    let bare_fails = failed.iter().any(|outcome| bare(&outcome));
-    let acquitted = |suspect: Suspect| is_everywhere(suspect) && !bare_fails;
-    let takes_part = |outcome: &&Outcome, suspects: &[Suspect]| {
-        suspects.iter().any(|suspect| outcome.suspects.contains(suspect))
-    };
-    let explains = |suspects: &[Suspect]| failed.iter().all(|o| takes_part(o, suspects));
-    let passes = |suspects: &[Suspect]| passed.iter().filter(|o| takes_part(o, suspects)).count();
-    let single: Vec<(usize, Suspect)> = Suspect::all()
-        .into_iter()
-        .filter(|&suspect| explains(&[suspect]) && !acquitted(suspect))
-        .map(|suspect| (passes(&[suspect]), suspect))
-        .collect();
-    let pairs = Suspect::all().into_iter().flat_map(|a| Suspect::all().map(|b| (a, b)));
-    let pair = pairs
-        .filter(|&(a, b)| a < b && explains(&[a, b]) && !acquitted(a) && !acquitted(b))
-        .map(|(a, b)| (passes(&[a, b]), a, b))
-        .min();
+    let single = suspected.iter().filter_map(|&one| Some((explains(&[one])?, one)));
+    let single: Vec<(usize, Suspect)> = single.collect();
+    let pairs = suspected.iter().flat_map(|&a| suspected.iter().map(move |&b| (a, b)));
+    let pairs = pairs.filter(|(a, b)| a < b);
+    let pair = pairs.filter_map(|(a, b)| Some((explains(&[a, b])?, a, b))).min();
     match (single.iter().min(), pair) {
         // Two that are never sound go before one that is: each of the two has failed without the other.
-        (Some(&(1.., _)), Some((0, a, b))) => Finding::Two(a, b),
+        (Some(&(1.., _)), Some((0, a, b))) | (None, Some((_, a, b))) => Finding::Two(a, b),
         (Some(&(fewest, _)), _) => {
             let least = single.into_iter().filter(|(passes, _)| *passes == fewest);
             Finding::One(least.map(|(_, suspect)| suspect).collect())
         }
-        (None, Some((_, a, b))) => Finding::Two(a, b),
         (None, None) => Finding::Unexplained,
     }
-}
-
-/// Whether every run has it: then it explains every failure, and is suspected only if a run with nothing else fails.
-fn is_everywhere(suspect: Suspect) -> bool {
-    matches!(suspect, Suspect::Elasticity | Suspect::Loads)
 }
 
 /// The finding in one sentence.
