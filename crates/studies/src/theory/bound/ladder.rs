@@ -144,18 +144,13 @@ const EQUAL: f64 = 1e-9;
 
 impl ContractionStudy {
     /// The factors of a run, before its level with the largest one is looked at.
-    ///
-    /// # Errors
-    /// There is none.
-    pub(super) fn of_levels(levels: Vec<FactorAtLevel>, steps: u32) -> Result<Self> {
+    pub(super) fn of_levels(levels: Vec<FactorAtLevel>) -> Self {
         let worse = |best: FactorAtLevel, next: &FactorAtLevel| {
             if next.norm >= best.norm * (1.0 - EQUAL) { *next } else { best }
         };
-        // A run without a step has no level with a last slot.
-        let none = || StudyError::other(format!("a run with {steps} steps has no level to study"));
-        let first = levels.last().copied().ok_or_else(none)?;
+        let first = levels.last().copied().unwrap_or_default();
         let worst = levels.iter().fold(first, worse);
-        Ok(Self { worst, levels, ..Self::default() })
+        Self { worst, levels, ..Self::default() }
     }
 
     /// Starts, thresholds and ladder at the open `level` whose solution is `state`; neither thresholds nor rungs where
@@ -197,22 +192,21 @@ pub struct StepLadder<'a, L> {
     bounds: StepBounds,
     /// The solution of the level in the run.
     of_run: StepState,
-    /// The solutions at the rungs, the last one found where there is none.
-    solutions: Vec<StepState>,
+    /// The rungs, with the last solution found where there is none.
+    climbed: Vec<At>,
 }
 
 /// A solution with the factors there.
 struct At {
     k: f64,
     state: StepState,
-    /// ‖DΛ‖, its spectral radius and its largest real eigenvalue.
-    factors: [f64; 3],
+    found: Contraction,
 }
 
 impl<'a, L: FrozenDerivative> StepLadder<'a, L> {
     /// The open `level` whose solution in the run is `of_run`.
     pub fn new(level: &'a mut L, bounds: StepBounds, of_run: StepState) -> Self {
-        Self { level, bounds, of_run, solutions: Vec::new() }
+        Self { level, bounds, of_run, climbed: Vec::new() }
     }
 
     /// A solution at step size k by Newton's method from `near`.
@@ -235,18 +229,13 @@ impl<'a, L: FrozenDerivative> StepLadder<'a, L> {
     /// # Errors
     /// A frozen level that cannot be solved, an eigenvalue that does not settle.
     pub fn rung(&mut self, k: f64) -> Result<StepRung> {
-        let near = self.solutions.last().unwrap_or(&self.of_run).clone();
+        let near = self.climbed.last().map_or(&self.of_run, |at| &at.state).clone();
         let (followed, newton) = match self.solve(k, &near) {
             Ok((state, iterations)) => (state, Ok(iterations)),
             Err(error) => (near, Err(error)),
         };
-        self.solutions.push(followed.clone());
-        let at = |source: StepError| {
-            StudyError::at(
-                format!("k = {k}: the level with frozen last slot was not solved"),
-                source,
-            )
-        };
+        let frozen = || format!("k = {k}: the level with frozen last slot was not solved");
+        let at = |source: StepError| StudyError::at(frozen(), source);
         // η: the solution at k where there is one; and Λη.
         let (eta, mut state) = (&followed.u, followed.clone());
         solve(self.level, Some(eta), &mut state).map_err(at)?;
@@ -258,16 +247,19 @@ impl<'a, L: FrozenDerivative> StepLadder<'a, L> {
         let solver = FixedPoint { max_iterations: ITERATIONS, ..FixedPoint::default() };
         let mut of_run = self.of_run.clone();
         let fixed = solver.solve_level(self.level, &mut of_run, &mut Scratch::default());
+        let distinct = random_starts(self.level, &followed, STARTS).distinct;
+        let Contraction { norm, radius, rightmost, .. } = found;
+        self.climbed.push(At { k, state: followed, found });
         Ok(StepRung {
             k,
-            norm: found.norm,
-            radius: found.radius,
-            rightmost: found.rightmost,
+            norm,
+            radius,
+            rightmost,
             finite_worst,
             at_solution: newton.is_ok(),
             newton,
             fixed_point: fixed.map(|info| info.fixed_point_iterations),
-            distinct: random_starts(self.level, &followed, STARTS).distinct,
+            distinct,
             sharpened: self.bounds.sharpened_factor(k),
             theorem: self.bounds.factor(k),
             paper: self.bounds.paper_factor(k),
@@ -295,20 +287,17 @@ impl<'a, L: FrozenDerivative> StepLadder<'a, L> {
                     self.level.set_step(k);
                     let found = factors(self.level, k, &state.u, &state)?;
                     if found.rightmost < 1.0 {
-                        let factors = [found.norm, found.radius, found.rightmost];
-                        return Ok(Ok(At { k, state, factors }));
+                        return Ok(Ok(At { k, state, found }));
                     }
-                    "the tangent is singular".to_owned()
+                    "the tangent is singular"
                 }
-                Err(StepError::Factor { .. }) => {
-                    "the tangent is not positive definite beyond it".to_owned()
-                }
+                Err(StepError::Factor { .. }) => "the tangent is not positive definite beyond it",
                 Err(StepError::NotConverged { .. }) => {
-                    "Newton's method finds no solution beyond it".to_owned()
+                    "Newton's method finds no solution beyond it"
                 }
-                Err(error) => error.to_string(),
+                Err(error) => &error.to_string(),
             };
-            reason.get_or_insert(said);
+            reason.get_or_insert_with(|| said.to_owned());
         }
         Ok(Err(reason.unwrap_or_default()))
     }
@@ -318,11 +307,9 @@ impl<'a, L: FrozenDerivative> StepLadder<'a, L> {
     /// is found doubles the next step.
     fn thresholds(&mut self, rungs: &[StepRung]) -> Result<Thresholds> {
         let (mut path, mut loss): (Vec<At>, Option<Loss>) = (Vec::new(), None);
-        let solutions = std::mem::take(&mut self.solutions);
-        for (rung, state) in rungs.iter().zip(solutions) {
+        for (rung, at) in rungs.iter().zip(std::mem::take(&mut self.climbed)) {
             if rung.at_solution && rung.rightmost < 1.0 {
-                let factors = [rung.norm, rung.radius, rung.rightmost];
-                path.push(At { k: rung.k, state, factors });
+                path.push(at);
                 continue;
             }
             let mut low = path.last().map_or(rung.k, |at| at.k);
@@ -341,24 +328,24 @@ impl<'a, L: FrozenDerivative> StepLadder<'a, L> {
                 }
             }
             if low < rung.k {
-                let rightmost = path.last().map_or(f64::NAN, |at| at.factors[2]);
+                let rightmost = path.last().map_or(f64::NAN, |at| at.found.rightmost);
                 loss = Some(Loss { bracket: [low, high], rightmost, reason });
                 break;
             }
         }
-        let mut reaches = |which: usize| -> Result<_> {
-            if path.iter().all(|at| at.factors[which] == 0.0) {
+        let mut reaches = |factor: fn(&Contraction) -> f64| -> Result<_> {
+            if path.iter().all(|at| factor(&at.found) == 0.0) {
                 return Ok(None);
             }
-            let ladder: Vec<_> = path.iter().map(|at| (at.k, at.factors[which])).collect();
+            let ladder: Vec<_> = path.iter().map(|at| (at.k, factor(&at.found))).collect();
             crossing(&ladder, |k| {
                 let below = path.partition_point(|at| at.k <= k).max(1) - 1;
                 // Where no solution is found the factor counts as one.
                 let at = self.regular(k, &path[..=below])?;
-                Ok(at.map_or(f64::NAN, |at| at.factors[which]))
+                Ok(at.map_or(f64::NAN, |at| factor(&at.found)))
             })
         };
-        let found = [reaches(0)?, reaches(1)?];
+        let found = [reaches(|of| of.norm)?, reaches(|of| of.radius)?];
         // At a singular tangent DΛ has the eigenvalue one, so norm and radius reach it there at the latest.
         let singular = loss.as_ref().filter(|loss| loss.rightmost > NEARLY_ONE);
         let [norm, radius] = found.map(|crossing| match (crossing, singular) {

@@ -11,7 +11,7 @@ pub use ladder::{
 };
 pub use sampled::{Constant, Obtained};
 
-use self::sampled::TraceConstants;
+use self::sampled::{OnMesh, TraceConstants};
 use crate::study::{Asked, Result, StudyError, no_mesh};
 use ::run::sweep::{Runs, admit_constants};
 use algebra::linalg::KRYLOV_VECTORS;
@@ -22,6 +22,7 @@ use scene::setup::{AbstractLoad, AbstractSetup, MeshData, Setup, Smallness, Subj
 use scene::{Extension, Scene};
 use serde_json::{Value, json};
 use vhi::finite::FiniteEvolution;
+use vhi::history::TimeRule;
 use vhi::{StepBounds, StepState};
 
 /// Default mesh of the measured factors.
@@ -105,9 +106,7 @@ impl BoundStudy {
     /// # Errors
     /// [`StudyError`].
     pub fn new(setup: &Setup, n: u32, steps: u32) -> Result<Self> {
-        if setup.model.time_rule.last_share() == 0.0 {
-            return Err(no_last_slot());
-        }
+        has_last_slot(&*setup.model.time_rule)?;
         let traces = TraceConstants::new(setup, &*setup.space(n)?)?;
         let whole = scene::setup::constants(setup)?;
         let constants = traces.as_ref().map_or_else(|| whole.clone(), |of| of.on_mesh(setup));
@@ -120,22 +119,23 @@ impl BoundStudy {
         let (known, m0) = (whole.smallness(), whole.m0);
         let grid = (Some(n), steps);
         let mut study = Self::of(&setup.scene, grid, table, samples, limits, study, (known, m0));
-        // The proved bound of c_j² against the eigenvalues of the mesh, in both masses, and of the meshes for the limit.
-        if let (Some(traces), Some(bound)) = (&traces, constants.c_j_squared_bound) {
-            let on_mesh = traces.strain.values.map(|value| (format!("n = {n}"), value));
-            let of_limit = traces.strain.limit.iter().flat_map(|limit| &limit.values);
-            let of_limit = of_limit.map(|(cells, value)| (format!("{cells} cells"), *value));
-            study.claims.extend(on_mesh.into_iter().chain(of_limit).map(|(at, value)| {
-                let says = ("c_j^2", "on a mesh <= its proved bound");
-                claim(at, says, [value, bound], EIGENVALUE * bound)
-            }));
-        }
-        let falling = traces.as_ref().and_then(|traces| traces.falling.as_ref());
-        if let (Some(falling), Some(bound)) = (falling, whole.c_nu_squared_bound) {
-            study.claims.extend(falling.values.map(|value| {
-                let says = ("c_nu^2", "on a mesh <= its proved bound");
-                claim(format!("n = {n}"), says, [value, bound], EIGENVALUE * bound)
-            }));
+        // The proved bounds of c_j² and c_ν² against the eigenvalues of meshes, in both masses: of this one, and for c_j² of
+        // those for the limit.
+        if let Some(TraceConstants { strain, falling, .. }) = &traces {
+            let here = |of: &OnMesh| of.values.map(|value| (format!("n = {n}"), value)).to_vec();
+            let limit = strain.limit.iter().flat_map(|limit| &limit.values);
+            let limit = limit.map(|(cells, value)| (format!("{cells} cells"), *value));
+            let strain = here(strain).into_iter().chain(limit).collect();
+            let falling = falling.as_ref().map_or(Vec::new(), here);
+            for (symbol, bound, values) in [
+                ("c_j^2", whole.c_j_squared_bound, strain),
+                ("c_nu^2", whole.c_nu_squared_bound, falling),
+            ] {
+                study.claims.extend(values.into_iter().filter_map(|(at, value)| {
+                    let says = (symbol, "on a mesh <= its proved bound");
+                    Some(claim(at, says, [value, bound?], EIGENVALUE * bound?))
+                }));
+            }
         }
         study.unknown = (known == Smallness::Unknown).then_some(whole.m0_range);
         Ok(study)
@@ -147,14 +147,12 @@ impl BoundStudy {
     /// [`StudyError`].
     pub fn of_abstract(setup: &AbstractSetup, steps: u32) -> Result<Self> {
         let (model, c) = (&setup.model, &setup.constants);
-        if model.time_rule.last_share() == 0.0 {
-            return Err(no_last_slot());
-        }
+        has_last_slot(&*model.time_rule)?;
         let limits = c.step_bounds(model.time_rule.as_ref());
         let (grid, mut load) = (setup.grid(steps), AbstractLoad(setup));
         let mut level = FiniteEvolution::new(model, &grid, &mut load)?;
         let levels = ladder::all_levels(&mut level, &limits)?;
-        let mut study = ContractionStudy::of_levels(levels, steps)?;
+        let mut study = ContractionStudy::of_levels(levels);
         let mut level = FiniteEvolution::new(model, &grid, &mut load)?;
         let state = ladder::run_to(&mut level, study.worst.level, |_, _, _| Ok(()))?;
         study.climb(&mut level, state, &limits)?;
@@ -203,9 +201,10 @@ impl BoundStudy {
     }
 }
 
-/// Λ is constant.
-fn no_last_slot() -> StudyError {
-    StudyError::other("the time rule gives the last slot no weight: every k is within (3.4)")
+/// Without one Λ is constant.
+fn has_last_slot(rule: &dyn TimeRule) -> Result<()> {
+    let none = || "the time rule gives the last slot no weight: every k is within (3.4)";
+    if rule.last_share() == 0.0 { Err(StudyError::other(none())) } else { Ok(()) }
 }
 
 fn at(k: f64) -> String {
@@ -281,7 +280,7 @@ pub fn claims(bounds: &StepBounds, rungs: &[StepRung], found: &Thresholds) -> Ve
 pub fn study(setup: &Setup, bounds: &StepBounds, n: u32, steps: u32) -> Result<ContractionStudy> {
     let data = MeshData::new(setup, n, None)?;
     let levels = on_run(setup, &data, steps, |level| ladder::all_levels(level, bounds))?;
-    let mut study = ContractionStudy::of_levels(levels, steps)?;
+    let mut study = ContractionStudy::of_levels(levels);
     let worst = study.worst.level;
     at_level(setup, &data, steps, worst, |level, state| study.climb(level, state, bounds))?;
     Ok(study)
