@@ -7,19 +7,17 @@
 
 use std::sync::Arc;
 
+use super::norms::remembered;
 use crate::study::{Asked, Result, StudyError};
-use algebra::tensor::{Symmetric, contract, norm};
-use exact::{
-    Exact, ExactData, ExactOnMesh, InterpolatedOnMesh, LoadForm, MaterialNumbers, RegionNumbers,
-    Truth,
-};
+use algebra::tensor::{Symmetric, contract};
+use exact::{Exact, ExactOnMesh, InterpolatedOnMesh, LoadForm, Truth};
 use fem::contact::{
-    BoundaryRule, CaseError, Discretization, GivenHistories, LoadError, MemoryTerm, StepView,
-    out_of_balance, strain_norm,
+    BoundaryRule, CaseError, Discretization, GivenHistories, LoadError, StepView, out_of_balance,
+    strain_norm,
 };
 use fem::norms::{Moments, state_rule, step_errors, strain_error};
 use fem::space::quadrature::TruthRules;
-use fem::space::{Element, Simplex, StrainPoint};
+use fem::space::{Element, Simplex};
 use formula::{BoundProgram, Program};
 use judge::claim::{Claim, Place, Standing, Statement};
 use rayon::prelude::*;
@@ -27,7 +25,7 @@ use report::{Chapter, Findings, digits};
 use run::sweep::{Runs, admit_constants, run_cost};
 use scene::setup::{MeshData, Setup, SetupError, constants, growth};
 use scene::{Extension, Scene, SceneError, TimeRule};
-use serde::{Serialize, Serializer};
+use serde::Serialize;
 use serde_json::json;
 use vhi::history::TimeGrid;
 use vhi::law::{Potential, Projection};
@@ -70,22 +68,13 @@ pub struct AuditConstants {
     /// c_ν² of (2.9) with laws of several sides, c_j² where there is one (a length).
     pub c_nu_squared: f64,
     /// Whether c_j² is proved; otherwise it is extrapolated from meshes, and no bound.
-    #[serde(rename = "c_j_source", serialize_with = "source")]
-    pub c_j_proved: bool,
+    pub c_j_source: &'static str,
     /// c0 of (4.16): c̄0 √|Γ3|.
     pub c0: f64,
     /// c1 of (4.16).
     pub c1: f64,
     /// ‖R‖‖q‖ of (4.20) as the Lipschitz constant of S: 1 for ζ (where it matters) plus ‖ℬ‖.
     pub history: f64,
-}
-
-/// Where c_j² comes from.
-fn source<S: Serializer>(proved: &bool, serializer: S) -> Result<S::Ok, S::Error> {
-    serializer.serialize_str(match proved {
-        true => "proved upper bound",
-        false => "extrapolated from meshes, no upper bound",
-    })
 }
 
 impl AuditConstants {
@@ -106,7 +95,10 @@ impl AuditConstants {
             alpha_j: known.alpha_nu,
             c_j_squared: known.c_j_squared_bound.unwrap_or(known.c_j_squared),
             c_nu_squared: known.c_nu_squared_bound.unwrap_or(known.c_nu_squared),
-            c_j_proved: known.c_j_squared_bound.is_some(),
+            c_j_source: match known.c_j_squared_bound {
+                Some(_) => "proved upper bound",
+                None => "extrapolated from meshes, no upper bound",
+            },
             c0: c0 * length.sqrt(),
             c1,
             history: 1.0 + known.memory.operator,
@@ -167,60 +159,8 @@ pub struct Auditor<'a> {
     past: [GivenHistories<'a>; 2],
     /// Σ_{j ≤ n} ‖u_j - u_j^{kh}‖_V.
     errors: f64,
-    n: u32,
-    claims: Vec<Claim>,
-    /// What a unit of the floor in V may add to each.
-    per_floor: Vec<f64>,
-}
-
-/// Integrals over Ω at one level, in the notation of section 4 of the paper.
-#[derive(Default)]
-struct Volume {
-    /// ‖u - u^{kh}‖_V² and ‖u - v^h‖_V² of the projected strains.
-    e: f64,
-    d: f64,
-    /// ⟨Au - Au^{kh}, u - u^{kh}⟩.
-    monotone: f64,
-    phi1: f64,
-    phi2: f64,
-    operator: f64,
-    /// (σ^{kh} - σ, ε(v^h - u^{kh})).
-    tested: f64,
-    /// Parts of ‖S_n u - S_n^{kh} u^{kh}‖_Y² and ‖S_n u - S_n^k u‖_Y² that the memory has.
-    history: f64,
-    truncation: f64,
-    /// ‖σ‖².
-    stress: f64,
-}
-
-/// Integrals over Γ3 at one level.
-#[derive(Default)]
-struct OnContact {
-    /// ‖u_ν - v^h_ν‖² and ‖u_ν - u^{kh}_ν‖².
-    delta: f64,
-    trace: f64,
-    /// ‖u_ν - s‖² and ‖u^{kh}_ν - s‖².
-    arguments: [f64; 2],
-    /// ‖ξ + λ‖².
-    pressure: f64,
-    /// E_j of (4.12) and the form of E_n of (4.5) on Γ3: since λ(u_ν - g) = 0, ∫ j_ν⁰(u_ν; v^h_ν - u_ν) - (ξ + λ)(v^h_ν - u_ν).
-    e_j: f64,
-    e_n: f64,
-    /// ∫ j_ν⁰(u^{kh}_ν; v^h_ν - u^{kh}_ν) - (ξ + λ)(v^h_ν - u^{kh}_ν).
-    at_h: f64,
-    /// ∫ λ(u^{kh}_ν - g)₊ of elements that pass the gap between nodes: a part of E_q.
-    outside: f64,
-}
-
-/// u, u^{kh}, v^h and ξ + λ at a point of Γ3.
-struct Sample {
-    weight: f64,
-    side: u32,
-    x: [f64; 3],
-    u: f64,
-    u_h: f64,
-    v: f64,
-    pressure: f64,
+    /// With what a unit of the floor in V may add to each.
+    claims: Vec<(Claim, f64)>,
 }
 
 impl<'a> Auditor<'a> {
@@ -240,20 +180,13 @@ impl<'a> Auditor<'a> {
         let (space, rule, grid) = (&data.space, setup.compliance_rule(), setup.grid(steps));
         let in_space = setup.body.data.is_interpolated();
         let remembering = (!setup.model.memory.is_empty()).then(|| {
-            let limp = |material: &MaterialNumbers| MaterialNumbers {
-                lambda: 0.0,
-                mu_l: 0.0,
-                full: None,
-                projection: None,
-                ..material.clone()
-            };
-            let ExactData { material, regions, .. } = &exact.data;
-            let regions = regions.iter().map(|region| RegionNumbers {
-                condition: region.condition,
-                material: limp(&region.material),
-            });
-            let (material, regions) = (limp(material), regions.collect());
-            let data = ExactData { material, regions, kappa: None, ..exact.data.clone() };
+            let mut data = exact.data.clone();
+            data.kappa = None;
+            let regions = data.regions.iter_mut().map(|region| &mut region.material);
+            for material in std::iter::once(&mut data.material).chain(regions) {
+                (material.lambda, material.mu_l) = (0.0, 0.0);
+                (material.full, material.projection) = (None, None);
+            }
             let exact = Arc::new(Exact::new(data));
             let truth: Arc<dyn Truth> = if in_space {
                 Arc::new(InterpolatedOnMesh::new(exact, space.clone(), rule))
@@ -273,10 +206,8 @@ impl<'a> Auditor<'a> {
                 .bind(&nodes),
             interpolated: in_space
                 .then(|| InterpolatedOnMesh::new(exact.clone(), space.clone(), rule)),
-            n: space.mesh.n,
             errors: 0.0,
             claims: Vec::new(),
-            per_floor: Vec::new(),
             setup,
             data,
             constants,
@@ -315,68 +246,69 @@ impl<'a> Auditor<'a> {
         };
         let theta = self.remembering.as_ref().map(|truth| truth.moments(t)).transpose()?;
         let volume = self.volume(&shown, &v, &truth, theta.as_deref(), &by_rule);
-        let [history, truncation] = [(volume.history, zeta_h), (volume.truncation, zeta_by_rule)]
-            .map(|(square, of_rule)| {
+        let [e_h, d_h, monotone, phi1, phi2, operator, tested, history, truncation, stress] =
+            volume;
+        let [history, truncation] =
+            [(history, zeta_h), (truncation, zeta_by_rule)].map(|(square, of_rule)| {
                 square.sqrt() + zeta.map_or(0.0, |zeta| (zeta - of_rule).abs())
             });
         let contact = self.on_contact(&shown, &v)?;
-        let of_scheme = self.balance(&shown, &v, &load) - volume.tested - contact.at_h;
-        let e_q = of_scheme + contact.outside;
+        let [delta, trace, argument, argument_h, pressure, e_j, e_n, at_h, outside] = contact;
+        let e_q = self.balance(&shown, &v, &load) - tested - at_h + outside;
         let errors = step_errors(space, model, &shown, &truth);
         self.errors += errors.v;
-        let (e, d) = (errors.v, (volume.d + truth.strain.rest).sqrt());
-        let (e_h, d_h, delta) = (volume.e.sqrt(), volume.d.sqrt(), contact.delta.sqrt());
-        let terms = [volume.phi1, volume.phi2, contact.e_j, volume.operator, contact.e_n, e_q];
-        let [u, u_h] = contact.arguments.map(f64::sqrt);
+        let (e, d) = (errors.v, (d_h + truth.strain.rest).sqrt());
+        let (e_h, d_h, delta, square) = (e_h.sqrt(), d_h.sqrt(), delta.sqrt(), e_h);
+        let terms = [phi1, phi2, e_j, operator, e_n, e_q];
+        let [u, u_h] = [argument, argument_h].map(f64::sqrt);
         let growth = 2.0 * c.c0 + c.c1 * (u + u_h);
-        let pressures = contact.pressure.sqrt() + c.c0 + c.c1 * u;
+        let pressures = pressure.sqrt() + c.c0 + c.c1 * u;
         let remembered = truncation + c.history * self.grid.largest_step() * self.errors;
-        let bound = c.bound([d, delta], growth, remembered, contact.e_n.abs() + e_q.abs());
+        let bound = c.bound([d, delta], growth, remembered, e_n.abs() + e_q.abs());
         // The terms of nearly incompressible stresses are larger than their sum.
-        let stress = volume.stress.sqrt().max(c.l_a * size);
-        let square = c.c_j_squared * size.powi(2);
+        let stress = stress.sqrt().max(c.l_a * size);
         let energy = stress * size;
         // Left, right, what their terms have in all beside them, and the size of what rounds in them.
         let sides = [
-            [errors.trace.powi(2), c.c_j_squared * e * e, 0.0, square],
-            [c.m_a * volume.e, volume.monotone, 0.0, energy],
+            [errors.trace.powi(2), c.c_j_squared * e * e, 0.0, c.c_j_squared * size.powi(2)],
+            [c.m_a * square, monotone, 0.0, energy],
             [
-                volume.monotone,
+                monotone,
                 terms.iter().sum(),
                 terms.iter().map(|term| term.abs()).sum::<f64>() + stress * (e_h + d_h),
                 energy,
             ],
-            [volume.phi1, (c.alpha_phi * e + c.beta_phi * history) * e_h, stress * e_h, energy],
-            [contact.e_j, growth * delta + c.alpha_j * contact.trace, 0.0, energy],
-            [volume.operator, c.l_a * e_h * d_h, 0.0, energy],
+            [phi1, (c.alpha_phi * e + c.beta_phi * history) * e_h, stress * e_h, energy],
+            [e_j, growth * delta + c.alpha_j * trace, 0.0, energy],
+            [operator, c.l_a * e_h * d_h, 0.0, energy],
             [history, remembered, 0.0, c.history * size * t],
             [e, bound, 0.0, size],
-            [contact.e_n.abs(), pressures * delta, 0.0, energy],
+            [e_n.abs(), pressures * delta, 0.0, energy],
         ];
+        let (n, steps) = (Some(space.mesh.n), Some(self.grid.steps() as u32));
         for (statement, [left, right, others, natural]) in STATEMENTS.into_iter().zip(sides) {
-            let place = Place {
-                n: Some(self.n),
-                steps: Some(self.grid.steps() as u32),
-                level: Some(view.n),
-                at: String::new(),
-            };
+            let place = Place { n, steps, level: Some(view.n), at: String::new() };
             let sum = left.abs() + others + if right.is_finite() { right.abs() } else { 0.0 };
             let accuracy = ROUNDING * sum + NATURAL * natural;
-            self.claims.push(Claim::at_most(statement, place, [left, right], accuracy));
-            self.per_floor.push(if size > 0.0 { natural / size } else { 0.0 });
+            let claim = Claim::at_most(statement, place, [left, right], accuracy);
+            self.claims.push((claim, if size > 0.0 { natural / size } else { 0.0 }));
         }
         Ok(())
     }
 
     /// The claims at all levels seen; `floor` is that of the run in V, by which u^{kh} may be off.
-    pub fn claims(mut self, floor: f64) -> Vec<Claim> {
-        for (claim, natural) in self.claims.iter_mut().zip(&self.per_floor) {
-            claim.accuracy += natural * floor;
-        }
-        self.claims
+    pub fn claims(self, floor: f64) -> Vec<Claim> {
+        let within = |(claim, natural): (Claim, f64)| {
+            let accuracy = claim.accuracy + natural * floor;
+            Claim { accuracy, ..claim }
+        };
+        self.claims.into_iter().map(within).collect()
     }
 
-    /// `theta` has θ as its σ, `by_rule` what the rule remembers of ε(u).
+    /// Integrals over Ω, in the notation of section 4 of the paper: ‖u - u^{kh}‖_V² and ‖u - v^h‖_V² of the projected strains,
+    /// ⟨Au - Au^{kh}, u - u^{kh}⟩, E_φ1, E_φ2, E_A, (σ^{kh} - σ, ε(v^h - u^{kh})), the parts that the memory has of
+    /// ‖S_n u - S_n^{kh} u^{kh}‖_Y² and ‖S_n u - S_n^k u‖_Y², and ‖σ‖². `theta` has θ as its σ, `by_rule` what the rule remembers
+    /// of ε(u).
     fn volume(
         &self,
         shown: &StepView<'_>,
@@ -384,89 +316,88 @@ impl<'a> Auditor<'a> {
         truth: &Moments,
         theta: Option<&Moments>,
         by_rule: &[Vec<f64>],
-    ) -> Volume {
+    ) -> [f64; 10] {
         let (space, model) = (&*self.data.space, &self.setup.model);
         let (mu, terms) = (self.setup.projection_mu(), &model.memory[..]);
-        let at_points = |field: &'_ [f64], at: usize| -> [f64; 3] { field.as_chunks::<3>().0[at] };
-        let mut sums = Volume::default();
+        let mut sums = [0.0; 10];
         for at in space.points() {
             let elastic = model.elasticity.on(space.region(at.cell));
-            let (strain, stress) =
-                (at_points(&truth.strain.at, at.index), at_points(&truth.stress.at, at.index));
+            let here = |field: &'_ [f64]| -> [f64; 3] { field.as_chunks::<3>().0[at.index] };
+            let (strain, stress) = (here(&truth.strain.at), here(&truth.stress.at));
             let (strain_h, strain_v) = (at.strain::<3>(shown.u), at.strain::<3>(v));
             let stress_h = shown.stress_of(space, model, &at, &strain_h);
             let (to_h, to_v) = (minus(&strain_h, &strain), minus(&strain_v, &strain));
             let moved = elastic.apply(&to_h);
             let moved: [f64; 3] = std::array::from_fn(|i| moved[i] + mu * to_h[i]);
             // σ = Aε + ψ.
-            let (apart, weight) = (minus(&stress, &stress_h), at.weight);
+            let apart = minus(&stress, &stress_h);
             let psi: [f64; 3] = std::array::from_fn(|i| apart[i] + moved[i]);
-            sums.e += weight * contract(&to_h, &to_h);
-            sums.d += weight * contract(&to_v, &to_v);
-            sums.monotone += weight * contract(&moved, &to_h);
-            sums.phi1 += weight * contract(&psi, &to_h);
-            sums.phi2 -= weight * contract(&psi, &to_v);
-            sums.operator += weight * contract(&moved, &to_v);
-            sums.tested -= weight * contract(&apart, &minus(&strain_v, &strain_h));
-            sums.stress += weight * contract(&stress, &stress);
-            if let Some(theta) = theta {
-                let theta = at_points(&theta.stress.at, at.index);
-                let theta_h = theta_of(terms, space, &at, |i| at.strain(&shown.history[i]));
-                let theta_k = theta_of(terms, space, &at, |i| at_points(&by_rule[i], at.index));
-                sums.history += weight * norm(&minus(&theta, &theta_h)).powi(2);
-                sums.truncation += weight * norm(&minus(&theta, &theta_k)).powi(2);
-            }
+            let off = |strain: &dyn Fn(usize) -> Symmetric<3>| {
+                theta.map_or(0.0, |theta| {
+                    let by = remembered(space, terms, &at, strain);
+                    let off = minus(&here(&theta.stress.at), &by);
+                    contract(&off, &off)
+                })
+            };
+            let parts = [
+                contract(&to_h, &to_h),
+                contract(&to_v, &to_v),
+                contract(&moved, &to_h),
+                contract(&psi, &to_h),
+                -contract(&psi, &to_v),
+                contract(&moved, &to_v),
+                -contract(&apart, &minus(&strain_v, &strain_h)),
+                off(&|i| at.strain(&shown.history[i])),
+                off(&|i| here(&by_rule[i])),
+                contract(&stress, &stress),
+            ];
+            sums.iter_mut().zip(parts).for_each(|(sum, part)| *sum += at.weight * part);
         }
         sums
     }
 
-    fn on_contact(&self, shown: &StepView<'_>, v: &[f64]) -> Result<OnContact, LoadError> {
-        let mut sums = OnContact::default();
-        let model = &self.setup.model;
+    /// Integrals over Γ3: ‖u_ν - v^h_ν‖², ‖u_ν - u^{kh}_ν‖², ‖u_ν - s‖², ‖u^{kh}_ν - s‖² and ‖ξ + λ‖²; E_j of (4.12) and the form of
+    /// E_n of (4.5) on Γ3, since λ(u_ν - g) = 0, ∫ j_ν⁰(u_ν; v^h_ν - u_ν) - (ξ + λ)(v^h_ν - u_ν); the same at u^{kh}; and
+    /// ∫ λ(u^{kh}_ν - g)₊ of elements that pass the gap between nodes, a part of E_q.
+    ///
+    /// The points are those of the truth, or, where it is an interpolant, the nodes, at which its pressures are.
+    fn on_contact(&self, shown: &StepView<'_>, v: &[f64]) -> Result<[f64; 9], LoadError> {
+        let (space, model) = (&*self.data.space, &self.setup.model);
+        let (mesh, trace, t) = (&space.mesh, &space.trace, shown.t);
+        let mut sums = [0.0; 9];
+        let mut add = |weight: f64, side: u32, x: [f64; 3], [u, u_h, v, pressure]: [f64; 4]| {
+            let Some(boundary) = model.boundary_on(side) else { return };
+            let (potential, s) = (boundary.potential_at(x), (boundary.shift)(x));
+            let j = |at: f64, w: f64| directional(&potential, at, s, w);
+            let passed = pressure * (u_h - u) - j(u, u_h - u);
+            let parts = [
+                (u - v).powi(2),
+                (u - u_h).powi(2),
+                (u - s).powi(2),
+                (u_h - s).powi(2),
+                pressure.powi(2),
+                j(u, u_h - u) + j(u_h, v - u_h) - j(u, v - u),
+                j(u, v - u) - pressure * (v - u),
+                j(u_h, v - u_h) - pressure * (v - u_h),
+                if space.element == Element::P1 { 0.0 } else { passed.max(0.0) },
+            ];
+            sums.iter_mut().zip(parts).for_each(|(sum, part)| *sum += weight * part);
+        };
         if model.boundary.is_empty() {
             return Ok(sums);
         }
-        for Sample { weight, side, x, u, u_h, v, pressure } in self.samples(shown, v)? {
-            let Some(boundary) = model.boundary_on(side) else { continue };
-            let (potential, s) = (boundary.potential_at(x), (boundary.shift)(x));
-            let j = |at: f64, w: f64| directional(&potential, at, s, w);
-            sums.delta += weight * (u - v).powi(2);
-            sums.trace += weight * (u - u_h).powi(2);
-            sums.arguments[0] += weight * (u - s).powi(2);
-            sums.arguments[1] += weight * (u_h - s).powi(2);
-            sums.pressure += weight * pressure.powi(2);
-            sums.e_j += weight * (j(u, u_h - u) + j(u_h, v - u_h) - j(u, v - u));
-            sums.e_n += weight * (j(u, v - u) - pressure * (v - u));
-            sums.at_h += weight * (j(u_h, v - u_h) - pressure * (v - u_h));
-            if self.data.space.element != Element::P1 {
-                sums.outside += weight * (pressure * (u_h - u) - j(u, u_h - u)).max(0.0);
-            }
-        }
-        Ok(sums)
-    }
-
-    /// The points of Γ3: those of the truth, or, where it is an interpolant, the nodes, at which its pressures are.
-    fn samples(&self, shown: &StepView<'_>, v: &[f64]) -> Result<Vec<Sample>, LoadError> {
-        let space = &*self.data.space;
-        let (mesh, trace, t) = (&space.mesh, &space.trace, shown.t);
         if let Some(truth) = &self.interpolated {
-            let pressures = truth.pressures(t);
-            let sample = |(i, pressure): (usize, f64)| Sample {
-                weight: trace.points[i].weight,
-                side: trace.points[i].side,
-                x: mesh.point(&[trace.points[i].vertex], &[1.0]),
-                u: trace.normal(i, v),
-                u_h: trace.normal(i, shown.u),
-                v: trace.normal(i, v),
-                pressure,
-            };
-            return Ok(pressures.into_iter().enumerate().map(sample).collect());
+            for (i, (point, pressure)) in trace.points.iter().zip(truth.pressures(t)).enumerate() {
+                let [u, u_h] = [v, shown.u].map(|nodal| trace.normal(i, nodal));
+                let x = mesh.point(&[point.vertex], &[1.0]);
+                add(point.weight, point.side, x, [u, u_h, u, pressure]);
+            }
+            return Ok(sums);
         }
-        let Some(exact) = self.data.truth.contact_samples(t)? else { return Ok(Vec::new()) };
+        let Some(exact) = self.data.truth.contact_samples(t)? else { return Ok(sums) };
         let rule = state_rule();
-        let shapes: Vec<Vec<f64>> =
-            rule.points.iter().map(|b| space.element.values_on(Simplex::facet(2), b)).collect();
-        let mut samples = Vec::with_capacity(exact.normal.len());
+        let shapes = rule.points.iter().map(|b| space.element.values_on(Simplex::facet(2), b));
+        let shapes: Vec<Vec<f64>> = shapes.collect();
         for (f, measure) in trace.measure.iter().enumerate() {
             let corners = mesh.facet(trace.mesh_facet[f] as usize);
             for (q, (b, shape)) in rule.points.iter().zip(&shapes).enumerate() {
@@ -474,19 +405,12 @@ impl<'a> Auditor<'a> {
                     let members = trace.facet(f).iter().zip(shape);
                     members.map(|(&i, shape)| shape * trace.normal(i as usize, nodal)).sum()
                 };
-                let at = samples.len();
-                samples.push(Sample {
-                    weight: measure * rule.weights[q],
-                    side: space.side(f),
-                    x: mesh.point(corners, b),
-                    u: exact.normal[at],
-                    u_h: value(shown.u),
-                    v: value(v),
-                    pressure: exact.pressure[at],
-                });
+                let at = f * shapes.len() + q;
+                let values = [exact.normal[at], value(shown.u), value(v), exact.pressure[at]];
+                add(measure * rule.weights[q], space.side(f), mesh.point(corners, b), values);
             }
         }
-        Ok(samples)
+        Ok(sums)
     }
 
     /// (σ^{kh}, ε(w)) + j⁰(u^{kh}; w) - F(w) for w = v^h - u^{kh}, by stresses, rule and load of the scheme: (4.3) says that it
@@ -532,21 +456,6 @@ fn directional(potential: &dyn Potential, u: f64, s: f64, w: f64) -> f64 {
         (potential.subdifferential(r - by), potential.subdifferential(r + by));
     let here = potential.subdifferential(r);
     [low, high, here.0, here.1].into_iter().fold(f64::NEG_INFINITY, |most, xi| most.max(xi * w))
-}
-
-/// Σ ℬ_i of what each term remembers at a point.
-fn theta_of(
-    terms: &[MemoryTerm],
-    space: &Discretization,
-    at: &StrainPoint<'_>,
-    strain: impl Fn(usize) -> Symmetric<3>,
-) -> Symmetric<3> {
-    let mut sum = [0.0; 3];
-    for (i, term) in terms.iter().enumerate() {
-        let part = term.tensor.on(space.region(at.cell)).apply(&strain(i));
-        sum.iter_mut().zip(part).for_each(|(sum, part)| *sum += part);
-    }
-    sum
 }
 
 fn minus(a: &Symmetric<3>, b: &Symmetric<3>) -> Symmetric<3> {
@@ -623,10 +532,6 @@ pub fn audit_under(
         let cases = steps.par_iter().map(run).collect::<Result<Vec<_>>>()?;
         claims.extend(cases.into_iter().flatten());
     }
-    Ok(found(setup, constants, claims))
-}
-
-fn found(setup: &Setup, constants: &AuditConstants, mut claims: Vec<Claim>) -> Findings {
     let m0 = constants.m0();
     if m0 <= 0.0 {
         let undefined = |claim: &&mut Claim| claim.standing() == Standing::Unresolved;
@@ -652,7 +557,7 @@ fn found(setup: &Setup, constants: &AuditConstants, mut claims: Vec<Claim>) -> F
     let rows = named.map(|(name, value)| json!({ "name": name, "value": value })).collect();
     findings.document.rows("Constants of the bounds.", &rows, "constant = name; >value = value 7");
     findings.numbers(json!({ "theorem": theorem, "rule": rule, "constants": constants }));
-    findings
+    Ok(findings)
 }
 
 /// What the inequalities leave out of account.

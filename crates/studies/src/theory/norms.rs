@@ -2,7 +2,7 @@
 
 use algebra::in_dimension;
 use algebra::linalg::{FactorError, dot};
-use algebra::tensor::contract;
+use algebra::tensor::{Symmetric, contract};
 use fem::contact::{Discretization, MemoryTerm, StiffnessInverse};
 use fem::space::StrainPoint;
 use vhi::law::TensorField;
@@ -30,15 +30,26 @@ impl<'a> DualNorm<'a> {
     }
 }
 
+/// Σ ℬ_i ε_i at a point, ε_i by the number of the term.
+pub(super) fn remembered<const S: usize>(
+    space: &Discretization,
+    terms: &[MemoryTerm],
+    at: &StrainPoint<'_>,
+    strain: impl Fn(usize) -> Symmetric<S>,
+) -> Symmetric<S> {
+    let mut stress = [0.0; S];
+    for (i, term) in terms.iter().enumerate() {
+        let part = term.tensor.on(space.region(at.cell)).apply(&strain(i));
+        stress.iter_mut().zip(part).for_each(|(sum, value)| *sum += value);
+    }
+    stress
+}
+
 /// ‖Σ ℬ_i ε(v_i)‖_ℋ of nodal vectors, one per term of the memory.
 pub fn stress_norm(space: &Discretization, terms: &[MemoryTerm], v: &[Vec<f64>]) -> f64 {
     fn sum<const S: usize>(space: &Discretization, terms: &[MemoryTerm], v: &[Vec<f64>]) -> f64 {
         let square = |at: StrainPoint<'_>| {
-            let mut stress = [0.0; S];
-            for (term, v) in terms.iter().zip(v) {
-                let part = term.tensor.on(space.region(at.cell)).apply(&at.strain::<S>(v));
-                stress.iter_mut().zip(part).for_each(|(sum, value)| *sum += value);
-            }
+            let stress = remembered::<S>(space, terms, &at, |i| at.strain(&v[i]));
             at.weight * contract(&stress, &stress)
         };
         space.points().map(square).sum()
