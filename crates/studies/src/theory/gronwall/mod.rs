@@ -10,8 +10,6 @@ mod study;
 #[cfg(test)]
 mod tests;
 
-pub use recurrence::InTime;
-pub use recurrence::{Bounds, Envelopes, Estimate};
-pub use recurrence::{HistoryPart, KernelNorms, Solved, StepTooLarge, Weights};
-pub use scenes::{ContactInTime, GronwallConstants, ReferenceLevels, TemporalTruth, TruthAtLevel};
-pub use study::{StudyRuns, of_scene, prepare, study, study_runs};
+pub use recurrence::{Envelopes, Estimate, HistoryPart, InTime, Solved, StepTooLarge, Weights};
+pub use scenes::{ContactInTime, GronwallConstants, TemporalTruth, TruthAtLevel};
+pub use study::{of_scene, prepare, study_runs};

@@ -8,7 +8,7 @@ use crate::study::{Result, StudyError};
 use algebra::linalg::larger;
 use files::digits;
 use judge::claim::{Claim, Place, Standing, Statement};
-use serde::Serialize;
+use serde_json::{Map, Value};
 use statrs::function::gamma::{gamma, ln_gamma};
 use vhi::history::{ClosedForm, TimeGrid, TimeRule};
 use vhi::law::HistoryKernel;
@@ -63,28 +63,6 @@ fn amplified(source: &[f64], factors: impl IntoIterator<Item = f64>) -> Vec<f64>
     source.iter().zip(factors).map(bound).collect()
 }
 
-/// max_{j ≤ n} s_j · A_n with A_1 = 1/(1 - c_1/2), A_n = A_{n-1} (1 + c_n/2)/(1 - c_n/2), c_n = C2 k_n:
-/// on a uniform grid (1/(1 - c/2)) ((1 + c/2)/(1 - c/2))^{n-1}. It is E_n for constant g with g_0 = 0;
-/// where s_0 > 0, E_0 = s_0 enters too and A_n is larger by 1 + c_1/2.
-///
-/// # Errors
-/// C2 k_n/2 ≥ 1.
-pub(crate) fn primed_closed(grid: &TimeGrid, source: &[f64], c2: f64) -> Solved {
-    let mut amplification = 1.0;
-    let from_rest = source.first().is_none_or(|s| *s == 0.0);
-    let factor = |n: usize| {
-        if n > 0 {
-            let half = 0.5 * grid.step(n);
-            let remaining = solvable(n, c2, half)?;
-            let carried = if n == 1 && from_rest { 1.0 } else { 1.0 + c2 * half };
-            amplification *= carried / remaining;
-        }
-        Ok(amplification)
-    };
-    let factors: Vec<f64> = (0..source.len()).map(factor).collect::<Result<_, _>>()?;
-    Ok(amplified(source, factors))
-}
-
 /// The printed form (3.24), E_n = s_n + C2 k Σ_{j=0..n} E_j, k the largest step.
 ///
 /// # Errors
@@ -106,21 +84,14 @@ pub(crate) fn unprimed_closed(grid: &TimeGrid, source: &[f64], c2: f64) -> Solve
     Ok(amplified(source, (0..).map(factor)))
 }
 
-/// m0 E_n = s_n + Σ_p ω_p Σ_{j ≤ n} w_nj κ_p(n, j) E_j, with ω_p and κ_p of `parts`.
+/// m0 E_n = s_n + Σ_p ω_p Σ_{j ≤ n} w_nj κ_p(n, j) E_j, with ω_p and w_nj κ_p of `parts`.
 ///
 /// # Errors
-/// w_nn Σ_p ω_p κ_p(n, n) ≥ m0.
-pub(crate) fn weighted(
-    rule: &dyn TimeRule,
-    grid: &TimeGrid,
-    source: &[f64],
-    m0: f64,
-    parts: &[HistoryPart],
-) -> Solved {
+/// Σ_p ω_p w_nn κ_p(n, n) ≥ m0.
+pub(crate) fn weighted(source: &[f64], m0: f64, parts: &[HistoryPart]) -> Solved {
     let scaled: Vec<f64> = source.iter().map(|s| s / m0).collect();
-    let entry = |n: usize, j: usize| {
-        let weight = rule.weight(grid, n, j);
-        parts.iter().map(|part| part.entry(weight, n, j)).sum()
+    let entry = |n: usize, j: usize| -> f64 {
+        parts.iter().map(|part| part.coefficient * part.rows[n][j]).sum()
     };
     solved(&scaled, m0.recip(), |n| (0..=n).map(|j| entry(n, j)).collect())
 }
@@ -131,54 +102,24 @@ pub(crate) fn weighted(
 pub struct HistoryPart {
     /// ω_p: μ L_κ √|Ω| for ζ, 1 for the memory stress, β_φ for an abstract history.
     pub coefficient: f64,
-    /// κ_p(n, j): 1 for ζ, ‖ℬ(t_n - t_j)‖ for the memory stress, ‖R q(t_n, t_j)‖ in general.
-    pub norms: KernelNorms,
-    /// sup κ_p on [0, T]², at least every κ_p(n, j); of kernels with (t - s)^{-a}, a the largest power of the history, sup of
-    /// what stands beside it.
+    /// w_nj κ_p(n, j), κ_p = 1 for ζ; else ‖Σ_l W^l_nj Q_l‖, W^l_nj the weights of the rule for the kernel q_l.
+    pub rows: Vec<Vec<f64>>,
+    /// sup κ_p on [0, T]²; of kernels with (t - s)^{-a}, a the largest power of the history, sup of what stands beside it.
     pub supremum: f64,
 }
 
 impl HistoryPart {
-    /// ω_p w_nj κ_p(n, j), where `weight` is that of the rule.
-    fn entry(&self, weight: f64, n: usize, j: usize) -> f64 {
-        let weight = if self.norms.weighed { 1.0 } else { weight };
-        self.coefficient * weight * self.norms.rows[n][j]
-    }
-}
-
-/// κ(n, j) = `rows[n][j]`.
-#[derive(Debug, Clone, PartialEq)]
-pub struct KernelNorms {
-    pub rows: Vec<Vec<f64>>,
-    /// They are ‖Σ_l W^l_nj Q_l‖, W^l_nj the weights of a rule that integrates the kernels: in place of w_nj κ(n, j).
-    pub weighed: bool,
-}
-
-impl KernelNorms {
-    /// Those of Σ_l q_l Q_l, whose norm is `norm` of factors of the Q_l; `integrating`: a rule that integrates the kernels.
+    /// Of Σ_l q_l Q_l, with the rows W^l of each kernel and the norm of a sum of the Q_l with these factors.
     pub(super) fn of(
-        kernels: &[&dyn HistoryKernel],
+        coefficient: f64,
+        supremum: f64,
+        each: &[Vec<Vec<f64>>],
         norm: impl Fn(&[f64]) -> f64,
-        (integrating, grid): (Option<Box<dyn TimeRule>>, &TimeGrid),
     ) -> Self {
-        let values = |kernel: &&dyn HistoryKernel, n: usize| match &integrating {
-            Some(rule) => rule.kernel_row(*kernel, grid, n),
-            None => kernel.row(grid.time(n), &grid.times()[..=n]),
-        };
-        let row = |n: usize| -> Vec<f64> {
-            let values: Vec<Vec<f64>> = kernels.iter().map(|kernel| values(kernel, n)).collect();
-            let at = |j: usize| norm(&values.iter().map(|values| values[j]).collect::<Vec<f64>>());
-            (0..=n).map(at).collect()
-        };
-        Self { rows: (0..=grid.steps()).map(row).collect(), weighed: integrating.is_some() }
-    }
-
-    /// The part of the history with these norms; `known` is their supremum between the points of the grid.
-    pub(super) fn part(self, coefficient: f64, known: f64) -> HistoryPart {
-        // Where they are not known apart from their weights, the bound alone is.
-        let rows = self.rows.iter().filter(|_| !self.weighed);
-        let supremum = rows.flatten().fold(known, |m, v| larger(m, *v));
-        HistoryPart { coefficient, norms: self, supremum }
+        let at = |n: usize, j: usize| norm(&each.iter().map(|rows| rows[n][j]).collect::<Vec<_>>());
+        let levels = each.first().map_or(0, Vec::len);
+        let rows = (0..levels).map(|n| (0..=n).map(|j| at(n, j)).collect()).collect();
+        Self { coefficient, rows, supremum }
     }
 }
 
@@ -218,11 +159,6 @@ impl Weights {
         Some(Self { rule, form, power })
     }
 
-    /// The rule, if it integrates kernels, so that its weights are theirs.
-    pub(super) fn integrating(self) -> Option<Box<dyn TimeRule>> {
-        (self.form == ClosedForm::MittagLeffler).then(|| self.rule())
-    }
-
     /// The rule.
     pub fn rule(self) -> Box<dyn TimeRule> {
         self.rule.weights()
@@ -252,8 +188,10 @@ impl Weights {
         solved(source, c2, |n| self.row(grid, n))
     }
 
-    /// Above E_n of [`Self::envelope`]: max_{j ≤ n} s_j times what [`ClosedForm`] says. Where s_0 > 0 the power of
-    /// 1 + c/(1 - θ) is n. The limit for k → 0 is e^{C2 t}. By the trapezoidal rule it is `primed_closed`.
+    /// Above E_n of [`Self::envelope`]: max_{j ≤ n} s_j · A_n with what [`ClosedForm`] says. By the trapezoidal rule
+    /// A_1 = 1/(1 - c_1/2), A_n = A_{n-1} (1 + c_n/2)/(1 - c_n/2), c_n = C2 k_n, which is E_n for constant g with g_0 = 0; where
+    /// s_0 > 0, E_0 = s_0 enters too and A_n is larger by 1 + c_1/2. By the others the power of 1 + c/(1 - θ) is n then. The
+    /// limit for k → 0 is e^{C2 t}.
     ///
     /// By product integration, on any grid with largest step k, it is max s/(1 - θ) · E_α(C2 Γ(α) t^α/(1 - θ)), α = 1 - a,
     /// θ = C2 k^α/α, with the function of Mittag-Leffler. Let y be that, which solves
@@ -262,10 +200,10 @@ impl Weights {
     /// it that is y(t_n) at most, and induction over n puts E_n below y(t_n).
     ///
     /// # Errors
-    /// θ ≥ 1, or c > 1 by Gregory's rules.
+    /// c_n/2 ≥ 1, θ ≥ 1, or c > 1 by Gregory's rules.
     pub fn closed(self, grid: &TimeGrid, source: &[f64], c2: f64) -> Solved {
         let (share, beyond, most) = match self.form {
-            ClosedForm::Paper => return primed_closed(grid, source, c2),
+            ClosedForm::Paper => (0.5, 0.0, f64::INFINITY),
             ClosedForm::Corrected { share, beyond, most } => (share, beyond, most),
             ClosedForm::MittagLeffler => {
                 let exponent = 1.0 - self.power;
@@ -274,23 +212,24 @@ impl Weights {
                 return Ok(fractional(grid, source, exponent, c2, remaining));
             }
         };
-        let k = grid.largest_step();
-        // Beyond c = 1 the form is not shown to be a bound.
-        let weight = if c2 * k <= most { share * k } else { f64::INFINITY };
-        let remaining = solvable(1, c2, weight)?;
         let from_rest = source.first().is_none_or(|s| *s == 0.0);
         let mut amplification = 1.0;
         let factor = |n: usize| {
-            let grown = || 1.0 + c2 * grid.step(n) / remaining;
-            amplification *= match n {
-                0 => 1.0,
-                1 if from_rest => (1.0 + beyond * c2 * k / remaining) / remaining,
-                1 => grown() * (1.0 + beyond * c2 * k / remaining) / remaining,
-                _ => grown(),
-            };
-            amplification
+            if n > 0 {
+                let (k, c) = (grid.step(n), c2 * grid.step(n));
+                // Beyond this c the form is not shown to be a bound.
+                let remaining = solvable(n, c2, if c <= most { share * k } else { f64::INFINITY })?;
+                let (grown, end) = (1.0 + c / remaining, 1.0 + beyond * c / remaining);
+                amplification *= match self.form {
+                    _ if n == 1 && from_rest => end / remaining,
+                    ClosedForm::Corrected { .. } if n == 1 => grown * end / remaining,
+                    _ => grown,
+                };
+            }
+            Ok(amplification)
         };
-        Ok(amplified(source, (0..source.len()).map(factor)))
+        let factors: Vec<f64> = (0..source.len()).map(factor).collect::<Result<_, _>>()?;
+        Ok(amplified(source, factors))
     }
 }
 
@@ -372,34 +311,19 @@ pub struct Estimate {
 /// Constants of a scene on a grid: m0, β_φ, w_nj and the components of the history.
 pub type Terms = (f64, f64, Weights, Vec<HistoryPart>);
 
-/// One thing for each bound of e_n, in the order weighted ≤ primed ≤ closed ≤ …; primed ≤ printed.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Bounds<T> {
+/// The bounds of e_n at every n, in the order weighted ≤ primed ≤ closed ≤ …; primed ≤ printed.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Envelopes {
     /// m0 E_n = s_n + Σ_p ω_p Σ' w κ_p E_j: the parts of the history apart.
-    pub weighted: T,
+    pub weighted: Vec<f64>,
     /// E_n = C1 g_n + C2 Σ' w_nj E_j.
-    pub primed: T,
+    pub primed: Vec<f64>,
     /// C1 max g/(1 - c/2) ((1 + c/2)/(1 - c/2))^{n-1}, c = C2 k, or what [`super::Weights::closed`] says of another rule.
-    pub closed: T,
+    pub closed: Vec<f64>,
     /// E_n = C1 g_n + C2 k Σ_{j ≤ n} E_j, as printed in (3.24); absent where C2 k ≥ 1.
-    pub printed: Option<T>,
+    pub printed: Option<Vec<f64>>,
     /// C1 max g/(1 - c) exp(C2 t_n/(1 - c)).
-    pub printed_closed: Option<T>,
-}
-
-/// The bounds of e_n at every n.
-pub type Envelopes = Bounds<Vec<f64>>;
-
-impl<T> Bounds<T> {
-    pub(super) fn map<U>(&self, of: impl Fn(&T) -> U) -> Bounds<U> {
-        Bounds {
-            weighted: of(&self.weighted),
-            primed: of(&self.primed),
-            closed: of(&self.closed),
-            printed: self.printed.as_ref().map(&of),
-            printed_closed: self.printed_closed.as_ref().map(&of),
-        }
-    }
+    pub printed_closed: Option<Vec<f64>>,
 }
 
 impl Estimate {
@@ -426,13 +350,13 @@ impl Estimate {
     /// C2 w_nn ≥ 1. The printed sum, which needs C2 k < 1, is `None` where it fails, and by rules with other weights.
     pub fn envelopes(&self) -> Result<Envelopes, StepTooLarge> {
         let scaled: Vec<f64> = self.source.iter().map(|s| s / self.m0).collect();
-        let (grid, c2, weights, rule) = (&self.grid, self.c2(), self.weights, self.weights.rule());
+        let (grid, c2, weights) = (&self.grid, self.c2(), self.weights);
         // (3.24) has its printed sum where its weights bound those of the trapezoidal rule.
         let as_printed = weights.form == ClosedForm::Paper;
         Ok(Envelopes {
             primed: weights.envelope(grid, &scaled, c2)?,
             closed: weights.closed(grid, &scaled, c2)?,
-            weighted: weighted(&*rule, grid, &self.weighted_source, self.m0, &self.parts)?,
+            weighted: weighted(&self.weighted_source, self.m0, &self.parts)?,
             printed: unprimed(grid, &scaled, c2).ok().filter(|_| as_printed),
             printed_closed: unprimed_closed(grid, &scaled, c2).ok().filter(|_| as_printed),
         })
@@ -444,6 +368,16 @@ impl Estimate {
 const ROUNDING: f64 = 1e-12;
 
 impl Envelopes {
+    /// What is made of each, by its name; null where it is absent.
+    pub(super) fn each(&self, of: impl Fn(&[f64]) -> Value) -> Map<String, Value> {
+        let Self { weighted, primed, closed, printed, printed_closed } = self;
+        let all =
+            [("weighted", Some(weighted)), ("primed", Some(primed)), ("closed", Some(closed))];
+        let printed = [("printed", printed), ("printed_closed", printed_closed)];
+        let all = all.into_iter().chain(printed.map(|(name, bound)| (name, bound.as_ref())));
+        all.map(|(name, bound)| (name.into(), bound.map_or(Value::Null, |b| of(b)))).collect()
+    }
+
     /// Every link e ≤ weighted ≤ primed ≤ closed, primed ≤ printed ≤ printed closed, at the first n at which it fails, or where
     /// it is tightest; the first of them, with which all stands or falls, is "e <= weighted envelope".
     pub fn claims(&self, estimate: &Estimate, place: &Place) -> Vec<Claim> {

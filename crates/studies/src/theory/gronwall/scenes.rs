@@ -8,21 +8,21 @@
 
 use super::super::norms::{DualNorm, stress_norm};
 use super::recurrence::{
-    Estimate, GivenLoads, HistoryPart, InTime, KernelNorms, Known, Levels, NO_HISTORY, OWN_WEIGHTS,
-    Terms, Weights, named, refused, smallness,
+    Estimate, GivenLoads, HistoryPart, InTime, Known, Levels, NO_HISTORY, OWN_WEIGHTS, Terms,
+    Weights, named, refused, smallness,
 };
 use crate::study::{Result, StudyError};
 use exact::InterpolatedOnMesh;
 use fem::contact::{
-    GivenHistories, Load, LoadError, Model, StepView, kkt_residual, march, strain_distance,
-    strain_norm,
+    GivenHistories, Load, LoadError, MemoryTerm, Model, StepView, kkt_residual, march,
+    strain_distance, strain_norm,
 };
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
 use run::sweep::lowest_common_multiple;
 use scene::setup::{AbstractSetup, MeshData, Setup, constants};
 use vhi::finite::{self, FiniteError, FiniteLoad, FiniteModel};
 use vhi::history::TimeGrid;
-use vhi::law::{Convolution, HistoryKernel, TensorField};
+use vhi::law::{Convolution, TensorField};
 use vhi::{Newton, monotonicity};
 
 /// Constants of one scene. Where they bound a measured difference, each is the value itself or a proved
@@ -96,19 +96,20 @@ impl GronwallConstants {
     /// The parts of the history on a grid: ζ with κ = 1, the memory stress with κ(n, j) =
     /// ‖ℬ(t_n - t_j)‖. An absent part is left out.
     pub(super) fn parts(&self, setup: &Setup, grid: &TimeGrid) -> Vec<HistoryPart> {
-        let mut parts = Vec::new();
+        let (mut parts, rule) = (Vec::new(), self.weights.rule());
+        let levels = 0..=grid.steps();
         if self.has_zeta() {
-            let rows = (0..=grid.steps()).map(|n| vec![1.0; n + 1]).collect();
-            let norms = KernelNorms { rows, weighed: false };
-            let supremum = self.accumulated;
-            parts.push(HistoryPart { coefficient: self.yielding, norms, supremum });
+            let row = |n: usize| (0..=n).map(|j| rule.weight(grid, n, j)).collect();
+            let (rows, supremum) = (levels.clone().map(row).collect(), self.accumulated);
+            parts.push(HistoryPart { coefficient: self.yielding, rows, supremum });
         }
         if self.memory > 0.0 {
             let (terms, d) = (&setup.model.memory, setup.scene.dimension);
-            let kernels: Vec<Convolution<'_>> =
-                terms.iter().map(|term| Convolution(&*term.kernel)).collect();
-            let kernels: Vec<&dyn HistoryKernel> =
-                kernels.iter().map(|kernel| kernel as _).collect();
+            let of_term = |term: &MemoryTerm| -> Vec<Vec<f64>> {
+                let kernel = Convolution(&*term.kernel);
+                levels.clone().map(|n| rule.kernel_row(&kernel, grid, n)).collect()
+            };
+            let each: Vec<_> = terms.iter().map(of_term).collect();
             let norm = |factors: &[f64]| {
                 let mut each = terms.iter().map(|term| &term.tensor).zip(factors);
                 let first = each.next().map(|(tensor, factor)| tensor.scaled(*factor));
@@ -116,8 +117,7 @@ impl GronwallConstants {
                     |sum: TensorField, (tensor, factor): (&_, &f64)| sum.plus(*factor, tensor, d);
                 first.map_or(0.0, |first| each.fold(first, sum).norm(d))
             };
-            let norms = KernelNorms::of(&kernels, norm, (self.weights.integrating(), grid));
-            parts.push(norms.part(1.0, self.memory));
+            parts.push(HistoryPart::of(1.0, self.memory, &each, norm));
         }
         parts
     }
@@ -185,9 +185,8 @@ impl InTime for ContactInTime<'_> {
     fn truth(&self) -> String {
         match &self.truth {
             TemporalTruth::Exact(_) => "exact u(t) in V^h".into(),
-            TemporalTruth::Reference(reference) => format!(
-                "run on the same mesh with {} steps, own error {:.1e} (Richardson)",
-                reference.steps, reference.own_error
+            TemporalTruth::Reference { steps, own_error, .. } => format!(
+                "run on the same mesh with {steps} steps, own error {own_error:.1e} (Richardson)"
             ),
         }
     }
@@ -277,19 +276,15 @@ pub struct TruthAtLevel {
 pub enum TemporalTruth {
     /// u(t) ∈ V^h, evaluated from formulas.
     Exact(Box<InterpolatedOnMesh>),
-    /// A run on the same mesh.
-    Reference(ReferenceLevels),
-}
-
-/// Levels of a run with many more steps.
-pub struct ReferenceLevels {
-    /// Its number of steps.
-    pub steps: u32,
-    /// max_n ‖ε(u_ref - u)‖ by Richardson from a run with half the steps; it is a part of every
-    /// measured e_n, and none of the inequalities.
-    pub own_error: f64,
-    /// Every [`REFERENCE_STEPS`]-th level.
-    levels: Vec<TruthAtLevel>,
+    /// Levels of a run with many more steps on the same mesh.
+    Reference {
+        steps: u32,
+        /// max_n ‖ε(u_ref - u)‖ by Richardson from a run with half the steps; it is a part of every
+        /// measured e_n, and none of the inequalities.
+        own_error: f64,
+        /// The levels of the coarser grids.
+        levels: Vec<TruthAtLevel>,
+    },
 }
 
 impl TemporalTruth {
@@ -326,7 +321,7 @@ impl TemporalTruth {
         let apart = pairs.map(|(a, b)| strain_distance(&data.space, &a.u, &b.u));
         let own_error = apart.fold(0.0, f64::max) / 3.0;
         let steps = REFERENCE_STEPS * common;
-        Ok(Self::Reference(ReferenceLevels { steps, own_error, levels }))
+        Ok(Self::Reference { steps, own_error, levels })
     }
 
     /// The levels at the times of the grid with `steps` steps.
@@ -335,16 +330,16 @@ impl TemporalTruth {
     /// A formula that is not finite, a grid that is not part of the reference's.
     pub fn levels(&self, setup: &Setup, steps: u32) -> Result<Vec<TruthAtLevel>> {
         let grid = setup.grid(steps);
-        let of = match self {
+        let (finer, known) = match self {
             Self::Exact(exact) => {
                 let level = |t: &f64| exact_level(setup, exact, *t);
                 return Ok(grid.times().iter().map(level).collect::<Result<_, _>>()?);
             }
-            Self::Reference(reference) => reference,
+            Self::Reference { steps, levels, .. } => (steps, levels),
         };
-        let common = of.steps / REFERENCE_STEPS;
+        let common = finer / REFERENCE_STEPS;
         let level = |(n, t): (usize, &f64)| {
-            let level = of.levels.get(n * (common / steps) as usize)?;
+            let level = known.get(n * (common / steps) as usize)?;
             ((level.t - t).abs() <= 1e-12 * t.abs()).then(|| level.clone())
         };
         let nested = common.is_multiple_of(steps);
@@ -352,8 +347,7 @@ impl TemporalTruth {
         let found = nested.then(|| levels.collect::<Option<_>>()).flatten();
         found.ok_or_else(|| {
             StudyError::other(format!(
-                "the grid with {steps} steps is not part of the reference's with {}: random grids need an exact solution in V^h",
-                of.steps
+                "the grid with {steps} steps is not part of the reference's with {finer}: random grids need an exact solution in V^h"
             ))
         })
     }
@@ -512,8 +506,7 @@ impl InTime for FiniteInTime<'_> {
         self.setup.model.norm(&difference)
     }
 
-    /// κ(n, j) = ‖R Σ_l q_l(t_n, t_j) Q_l‖ from X to X*; by product integration, and with nested terms, W^l_nj in place of
-    /// q_l.
+    /// w_nj κ(n, j) = ‖R Σ_l W^l_nj Q_l‖ from X to X*.
     fn terms(&self, grid: &TimeGrid) -> Terms {
         let ([m0, beta, lipschitz], model) = (self.constants, &self.setup.model);
         // Operators X → X* between orthonormal coordinates.
@@ -531,24 +524,9 @@ impl InTime for FiniteInTime<'_> {
                 each.reduce(|sum, matrix| sum + matrix).map_or(0.0, |sum| norm(&sum))
             }
         };
-        let norms = match model.kernels.iter().any(|term| term.inner.is_some()) {
-            true => {
-                let rule = self.weights.rule();
-                let terms = model.kernels.iter();
-                let each: Vec<_> = terms.map(|term| term.weights(&*rule, grid)).collect();
-                let at = |n: usize, j: usize| {
-                    of(&each.iter().map(|rows| rows[n][j]).collect::<Vec<f64>>())
-                };
-                let row = |n: usize| (0..=n).map(|j| at(n, j)).collect();
-                KernelNorms { rows: (0..=grid.steps()).map(row).collect(), weighed: true }
-            }
-            false => {
-                let kernels: Vec<&dyn HistoryKernel> =
-                    model.kernels.iter().map(|term| &*term.kernel as _).collect();
-                KernelNorms::of(&kernels, of, (self.weights.integrating(), grid))
-            }
-        };
-        (m0, beta, self.weights, vec![norms.part(beta, lipschitz)])
+        let rule = self.weights.rule();
+        let each: Vec<_> = model.kernels.iter().map(|term| term.weights(&*rule, grid)).collect();
+        (m0, beta, self.weights, vec![HistoryPart::of(beta, lipschitz, &each, of)])
     }
 
     /// g_n = ‖S_n u - S_n^k u‖_{X*}, S_n^k u = R(Σ_l Q_l Σ_j w_nj q_l(t_n, t_j) u_j + a_S).

@@ -45,21 +45,12 @@ pub fn of_scene(scene: Scene, asked: &Asked) -> Result<Findings> {
     }
     scene.check_steps(&steps)?;
     admit_constants(&scene, true, &asked.limit)?;
-    let (subject, plan) = (Subject::new(scene)?, StudyRuns { n, steps });
+    let subject = Subject::new(scene)?;
     // An abstract problem keeps a few numbers per level.
     if let (Subject::Contact(setup), Some(n)) = (&subject, n) {
-        study_runs(setup, n, &plan).admit(&asked.limit)?;
+        study_runs(setup, n, &steps).admit(&asked.limit)?;
     }
-    study(&subject, &plan)
-}
-
-/// What is asked of a scene.
-#[derive(Debug, Clone, PartialEq)]
-pub struct StudyRuns {
-    /// Mesh cells per unit length; none for abstract scenes.
-    pub n: Option<u32>,
-    /// Numbers N of steps.
-    pub steps: Vec<u32>,
+    study(&subject, n, &steps)
 }
 
 /// A run with its bounds.
@@ -94,33 +85,33 @@ impl Bounded {
 
     /// Its rows in the table of levels.
     fn levels(&self) -> Vec<Value> {
-        let (e, bounds, grid) = (&self.estimate, &self.envelopes, &self.estimate.grid);
-        let at = |values: &Option<Vec<f64>>, n: usize| values.as_ref().map(|values| values[n]);
+        let (e, grid) = (&self.estimate, &self.estimate.grid);
         let level = |n: usize| {
             let [g_zeta, g_memory] = e.truncation.each_ref().map(|part| part.get(n));
-            let [weighted, primed] = [bounds.weighted[n], bounds.primed[n]];
-            json!({
+            let mut row = json!({
                 "part": self.part, "steps": grid.steps(), "k": grid.largest_step(), "n": n,
                 "t": grid.time(n), "error": e.error[n], "g_zeta": g_zeta, "g_memory": g_memory,
-                "source": e.source[n], "weighted": weighted, "primed": primed,
-                "closed": bounds.closed[n],
-                "printed": at(&bounds.printed, n), "printed_closed": at(&bounds.printed_closed, n),
-            })
+                "source": e.source[n],
+            });
+            for (name, bound) in self.envelopes.each(|bound| bound[n].into()) {
+                row[name] = bound;
+            }
+            row
         };
         (0..=grid.steps()).map(level).collect()
     }
 }
 
-/// Runs everything.
+/// Runs everything on the mesh n, none for abstract scenes, with these numbers of steps.
 ///
 /// # Errors
 /// [`StudyError`].
-pub fn study(subject: &Subject, plan: &StudyRuns) -> Result<Findings> {
-    let (scene, n) = (subject.scene(), plan.n);
-    let in_time = prepare(subject, n, &plan.steps)?;
+fn study(subject: &Subject, n: Option<u32>, steps: &[u32]) -> Result<Findings> {
+    let scene = subject.scene();
+    let in_time = prepare(subject, n, steps)?;
     let measured = |&steps: &u32| Bounded::new("time".into(), in_time.measure(steps)?);
-    let grids = plan.steps.iter().map(measured).collect::<Result<Vec<_>, _>>()?;
-    let finest = plan.steps.iter().copied().max().unwrap_or(1);
+    let grids = steps.iter().map(measured).collect::<Result<Vec<_>, _>>()?;
+    let finest = steps.iter().copied().max().unwrap_or(1);
     let perturbed = perturbations(&*in_time, finest)?;
     let mut claims: Vec<Claim> = grids.iter().flat_map(|run| run.claims(n)).collect();
     claims.extend(perturbed.iter().map(|run| stability(run, n)));
@@ -157,7 +148,7 @@ fn grid_row(run: &Bounded) -> Value {
     let (estimate, [zeta, memory]) = (&run.estimate, &run.estimate.truncation);
     let g: Vec<f64> = zeta.iter().zip(memory).map(|(z, b)| z + b).collect();
     let k = estimate.grid.largest_step();
-    let effectivity = run.envelopes.map(|bound| {
+    let effectivity = run.envelopes.each(|bound| {
         let [at_end, least] = run.over_error(bound);
         json!({ "at_end": at_end, "least": least })
     });
@@ -268,9 +259,9 @@ const PERTURBED: f64 = 5.0;
 
 /// The runs of a study of `setup` on the mesh n. Whether u(t) lies in V^h is known on the mesh alone: unless the scene
 /// says so, the truth counts as a run with more steps.
-pub fn study_runs<'a>(setup: &'a Setup, n: u32, plan: &StudyRuns) -> Runs<'a> {
-    let finest = plan.steps.iter().copied().max().unwrap_or(1);
-    let common = plan.steps.iter().copied().fold(1, lowest_common_multiple);
+pub fn study_runs<'a>(setup: &'a Setup, n: u32, steps: &[u32]) -> Runs<'a> {
+    let finest = steps.iter().copied().max().unwrap_or(1);
+    let common = steps.iter().copied().fold(1, lowest_common_multiple);
     let in_space = setup.body.data.is_interpolated();
     let finer = if in_space { common } else { REFERENCE_STEPS.saturating_mul(common) };
     // u and its histories at the levels of the truth, of another with half the steps, and of the grid itself.

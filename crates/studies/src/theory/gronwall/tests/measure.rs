@@ -83,7 +83,7 @@ fn a_reference_knows_its_own_error() {
     let setup = setup("linear-punch");
     let data = MeshData::new(&setup, 8, None).unwrap();
     let stated_error = |steps: &[u32]| match TemporalTruth::new(&setup, &data, steps).unwrap() {
-        TemporalTruth::Reference(reference) => reference.own_error,
+        TemporalTruth::Reference { own_error, .. } => own_error,
         TemporalTruth::Exact(_) => panic!("linear-punch has no exact solution"),
     };
     let (coarse, fine) = (stated_error(&[8]), stated_error(&[8, 16]));

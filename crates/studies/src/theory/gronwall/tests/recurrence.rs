@@ -1,7 +1,7 @@
 //! The recurrences against their definitions, the closed forms, and the counter-example to the lemma
 //! without its hypothesis.
 
-use super::super::recurrence::{primed_closed, unprimed, unprimed_closed, weighted};
+use super::super::recurrence::{unprimed, unprimed_closed, weighted};
 use super::super::*;
 use algebra::linalg::signed_unit;
 use vhi::history::{TimeGrid, TimeRule, Trapezoid};
@@ -66,11 +66,11 @@ fn closed_forms_are_attained_by_constant_truncation_and_bound_the_rest() {
         for first in [0.0, 0.7] {
             constant[0] = first;
             let e = primed(&grid, &constant, 1.3).unwrap();
-            assert!(distance(&e, &primed_closed(&grid, &constant, 1.3).unwrap()) < 1e-13);
+            assert!(distance(&e, &papers().closed(&grid, &constant, 1.3).unwrap()) < 1e-13);
         }
         for s in [source(true), source(false)] {
             let pairs = [
-                (primed(&grid, &s, 1.3), primed_closed(&grid, &s, 1.3)),
+                (primed(&grid, &s, 1.3), papers().closed(&grid, &s, 1.3)),
                 (unprimed(&grid, &s, 1.3), unprimed_closed(&grid, &s, 1.3)),
                 (primed(&grid, &s, 1.3), unprimed(&grid, &s, 1.3)),
             ];
@@ -85,13 +85,13 @@ fn closed_forms_are_attained_by_constant_truncation_and_bound_the_rest() {
     let (c, g) = (1.3 * 2.0 / 40.0, 0.7);
     let mut s = vec![g; 41];
     s[0] = 0.0;
-    let closed = primed_closed(&grids()[0], &s, 1.3).unwrap();
+    let closed = papers().closed(&grids()[0], &s, 1.3).unwrap();
     let rho: f64 = (1.0 + 0.5 * c) / (1.0 - 0.5 * c);
     assert!((closed[40] - g / (1.0 - 0.5 * c) * rho.powi(39)).abs() < 1e-13 * closed[40]);
     let fine = TimeGrid::uniform(2.0, 4000);
     let mut s = vec![g; 4001];
     s[0] = 0.0;
-    let closed = primed_closed(&fine, &s, 1.3).unwrap();
+    let closed = papers().closed(&fine, &s, 1.3).unwrap();
     // 1/(1 - c/2)·ρ^{n-1}·e^{-cn} = 1 - c/2 + c/2·… + O(c²): below c = 6.5e-4 relatively.
     assert!((closed[4000] / (g * f64::exp(2.6)) - 1.0).abs() < 1.3 * 2.0 / 4000.0);
 }
@@ -102,10 +102,10 @@ fn the_weighted_form_reduces_to_the_primed_one() {
         let s = source(true);
         let with = |kappa: &dyn Fn(f64) -> f64| {
             let lag = |n: usize, j: usize| grid.time(n) - grid.time(j);
-            let rows = (0..=40).map(|n| (0..=n).map(|j| kappa(lag(n, j))).collect()).collect();
-            let norms = KernelNorms { rows, weighed: false };
-            let part = HistoryPart { coefficient: 0.5, norms, supremum: 1.0 };
-            weighted(&Trapezoid, &grid, &s, 0.25, &[part]).unwrap()
+            let at = |n: usize, j: usize| Trapezoid.weight(&grid, n, j) * kappa(lag(n, j));
+            let rows = (0..=40).map(|n| (0..=n).map(|j| at(n, j)).collect()).collect();
+            let part = HistoryPart { coefficient: 0.5, rows, supremum: 1.0 };
+            weighted(&s, 0.25, &[part]).unwrap()
         };
         // ω κ/m0 = 0.5·1/0.25 = C2, source/m0.
         let scaled: Vec<f64> = s.iter().map(|s| s / 0.25).collect();
@@ -137,10 +137,10 @@ fn for_any_c2_the_lemma_is_false() {
         primed(&grid, &g, 2.0).unwrap_err(),
         StepTooLarge { n: 1, factor: 2.0, weight: 0.5 }
     );
-    assert!(primed_closed(&grid, &g, 2.0).is_err());
+    assert!(papers().closed(&grid, &g, 2.0).is_err());
     assert!(primed(&grid, &g, f64::NAN).is_err());
-    let rows = (1..=3).map(|count| vec![2.0; count]).collect();
-    let norms = KernelNorms { rows, weighed: false };
-    let part = HistoryPart { coefficient: 1.0, norms, supremum: 2.0 };
-    assert!(weighted(&Trapezoid, &grid, &g, 1.0, &[part]).is_err());
+    let row = |n: usize| (0..=n).map(|j| 2.0 * Trapezoid.weight(&grid, n, j)).collect();
+    let rows = (0..=2).map(row).collect();
+    let part = HistoryPart { coefficient: 1.0, rows, supremum: 2.0 };
+    assert!(weighted(&g, 1.0, &[part]).is_err());
 }
