@@ -9,68 +9,49 @@ use cpu_time::ThreadTime;
 use fem::contact::{CaseError, CaseInfo, Observer, strain_distance};
 use fem::norms::{ReferenceRun, step_errors, strain_error};
 use fem::space::Element;
-use judge::record::{CaseRecord, NormError, Status};
 use run::sweep::{as_floors, floor_in, scene_reference};
 use scene::setup::{MeshData, Setup, SetupError, reference_run};
 use scene::{Body, Change, ContactQuadrature, ContactScene, Data, LoadForm, Norm, Scene};
-use serde_json::{Value, json};
+use serde::Serialize;
 
-/// One run.
-#[derive(Debug, Clone, PartialEq)]
+/// One run, as files have it; numbers that a run which failed has not are NaN.
+#[derive(Debug, Clone, Serialize)]
 pub(super) struct Trial {
+    pub scene: String,
     pub change: Change,
-    /// Its error in the norm of the trade, if it came to its end, and on the coarsest mesh that in k alone. Seconds are CPU
-    /// seconds of the thread: mesh, analysis, loads and march.
-    pub record: CaseRecord,
+    pub n: u32,
+    pub steps: u32,
+    pub h: f64,
+    pub k: f64,
+    pub dofs: usize,
+    pub norm: Norm,
+    pub error: f64,
+    pub floor: f64,
+    /// Of the thread: mesh, analysis, loads and march.
+    #[serde(rename = "cpu_seconds")]
+    pub seconds: f64,
+    pub load_share: f64,
+    pub history_bytes: usize,
+    pub newton_iterations: u32,
+    pub factorizations: u32,
+    /// No run is as good in time and error and better in one.
+    pub front: bool,
+    pub status: &'static str,
+    /// Why there is no error.
+    pub reason: Option<String>,
+    /// On the coarsest mesh: the error in k alone.
+    #[serde(skip)]
+    pub in_time: Option<f64>,
 }
 
 impl Trial {
     /// n and N.
     pub(super) fn place(&self) -> [u32; 2] {
-        [self.record.n.unwrap_or(0), self.record.steps]
+        [self.n, self.steps]
     }
 
-    pub(super) fn steps(&self) -> [f64; 2] {
-        [self.record.h.unwrap_or(f64::NAN), self.record.k]
-    }
-
-    /// NaN of a run that failed, as all its numbers.
-    pub(super) fn error(&self) -> f64 {
-        self.record.errors.first().and_then(|entry| entry.error).unwrap_or(f64::NAN)
-    }
-
-    pub(super) fn floor(&self) -> f64 {
-        self.record.errors.first().and_then(|entry| entry.floor).unwrap_or(f64::NAN)
-    }
-
-    pub(super) fn seconds(&self) -> f64 {
-        if self.record.converged() { self.record.seconds_total } else { f64::NAN }
-    }
-
-    /// Why there is no error.
-    pub(super) fn failure(&self) -> Option<&str> {
-        match &self.record.status {
-            Status::Failed { reason } => Some(reason),
-            _ => None,
-        }
-    }
-
-    /// What files have of it; `front`: no run is as good in time and error and better in one.
-    pub(super) fn json(&self, front: bool) -> Value {
-        let record = &self.record;
-        json!({
-            "scene": record.scene, "change": self.change, "n": record.n, "steps": record.steps,
-            "h": record.h, "k": record.k, "dofs": record.dofs,
-            "norm": record.errors.first().map(|entry| &entry.norm),
-            "error": self.error(), "floor": self.floor(), "cpu_seconds": self.seconds(),
-            "load_share": (record.seconds_load / self.seconds()).clamp(0.0, 1.0),
-            "history_bytes": record.peak_history_bytes,
-            "newton_iterations": record.newton_iterations,
-            "factorizations": record.factorizations,
-            "front": front,
-            "status": if record.converged() { "converged" } else { "failed" },
-            "reason": self.failure(),
-        })
+    pub(super) fn converged(&self) -> bool {
+        self.reason.is_none()
     }
 }
 
@@ -138,21 +119,25 @@ impl<'a> Bench<'a> {
         heard: &dyn Fn(&str),
     ) {
         for &n in meshes {
-            let judged = self.judge(change, n).map_err(|error| error.to_string());
+            // The truth is by the rules of the scene as written, with the element of the change.
+            let judged = || -> Result<_, SetupError> {
+                let setup = Setup::new(change.of(&self.setup.scene)?)?;
+                let other = setup.body.element != self.setup.body.element;
+                let by = if other { &setup } else { self.setup };
+                let judge = MeshData::new(by, n, self.reference.clone())?;
+                Ok((setup, judge))
+            };
+            let judged = judged().map_err(|error| error.to_string());
             let in_time = self.norm == Norm::VMax && meshes.len() > 1 && n == meshes[0];
             for &steps in steps {
                 let found = judged.as_ref().map_err(Clone::clone).and_then(|(setup, judge)| {
-                    let run = self.run(setup, judge, [n, steps], in_time);
+                    let run = self.run(setup, judge, change, [n, steps], in_time);
                     run.map_err(|error| error.to_string())
                 });
-                let record = found.unwrap_or_else(|reason| CaseRecord {
-                    status: Status::Failed { reason },
-                    ..self.without_work([n, steps])
-                });
-                let trial = Trial { change: change.clone(), record };
-                let came = match trial.failure() {
+                let trial = found.unwrap_or_else(|reason| self.failed(change, [n, steps], reason));
+                let came = match &trial.reason {
                     Some(reason) => format!("failed: {reason}"),
-                    None => format!("error {:.4e} in {:.4} s", trial.error(), trial.seconds()),
+                    None => format!("error {:.4e} in {:.4} s", trial.error, trial.seconds),
                 };
                 heard(&format!("{} n={n} N={steps} {came}", change.words()));
                 self.trials.push(trial);
@@ -160,19 +145,28 @@ impl<'a> Bench<'a> {
         }
     }
 
-    fn without_work(&self, [n, steps]: [u32; 2]) -> CaseRecord {
-        let (scene, k) = (&self.setup.scene.name, self.setup.grid(steps).largest_step());
-        let h = Some(self.setup.body.domain.h(n));
-        CaseRecord { h, ..CaseRecord::without_work(scene, Some(n), steps, k) }
-    }
-
-    /// The scene with a change, and the truth on a mesh by the rules of the scene as written, with the element of the change.
-    fn judge(&self, change: &Change, n: u32) -> Result<(Setup, MeshData), SetupError> {
-        let setup = Setup::new(change.of(&self.setup.scene)?)?;
-        let other = setup.body.element != self.setup.body.element;
-        let by = if other { &setup } else { self.setup };
-        let judge = MeshData::new(by, n, self.reference.clone())?;
-        Ok((setup, judge))
+    fn failed(&self, change: &Change, [n, steps]: [u32; 2], reason: String) -> Trial {
+        Trial {
+            scene: self.setup.scene.name.clone(),
+            change: change.clone(),
+            n,
+            steps,
+            h: self.setup.body.domain.h(n),
+            k: self.setup.grid(steps).largest_step(),
+            dofs: 0,
+            norm: self.norm,
+            error: f64::NAN,
+            floor: f64::NAN,
+            seconds: f64::NAN,
+            load_share: f64::NAN,
+            history_bytes: 0,
+            newton_iterations: 0,
+            factorizations: 0,
+            front: false,
+            status: "failed",
+            reason: Some(reason),
+            in_time: None,
+        }
     }
 
     /// One run from nothing, and `in_time` its distance to one with more steps.
@@ -180,9 +174,10 @@ impl<'a> Bench<'a> {
         &mut self,
         setup: &Setup,
         judge: &MeshData,
+        change: &Change,
         [n, steps]: [u32; 2],
         in_time: bool,
-    ) -> Result<CaseRecord, SetupError> {
+    ) -> Result<Trial, SetupError> {
         let (space, still) = (&judge.space, vec![0.0; judge.space.nodes.len()]);
         let finer = || -> Result<_, SetupError> {
             Ok(MeshData::new(setup, n, None)?.trajectory(setup, FINER * steps, steps)?)
@@ -201,22 +196,19 @@ impl<'a> Bench<'a> {
                 .map(|(most, finer)| larger(most, strain_distance(space, finer, view.u)));
             Ok(())
         })?;
-        let entry = |norm: Norm, error: f64| NormError {
-            norm: norm.name().into(),
-            error: Some(error),
-            floor: Some(floor_in(&info.floors, norm)),
-        };
-        let of_time = of_time.map(|error| entry(Norm::VTimeMax, error));
-        Ok(CaseRecord {
-            dofs: space.dofs() as u64,
-            status: Status::Converged,
-            newton_iterations: info.newton_iterations.into(),
-            factorizations: info.work.linear.factorizations.into(),
-            peak_history_bytes: info.peak_history_bytes as u64,
-            seconds_load: info.seconds_load,
-            seconds_total: seconds,
-            errors: std::iter::once(entry(self.norm, error)).chain(of_time).collect(),
-            ..self.without_work([n, steps])
+        Ok(Trial {
+            dofs: space.dofs(),
+            error,
+            floor: floor_in(&info.floors, self.norm),
+            seconds,
+            load_share: (info.seconds_load / seconds).clamp(0.0, 1.0),
+            history_bytes: info.peak_history_bytes,
+            newton_iterations: info.newton_iterations,
+            factorizations: info.work.linear.factorizations,
+            status: "converged",
+            reason: None,
+            in_time: of_time,
+            ..self.failed(change, [n, steps], String::new())
         })
     }
 }

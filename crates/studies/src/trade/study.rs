@@ -2,13 +2,12 @@
 //! function of them alone: models of error and cost, the cheapest run with an error, what each change buys.
 
 use super::bench::{Bench, Trial, changes, element_meshes, trade_grid};
-use super::models::CostSample;
 use super::optimum::{Choice, Choices, Law, NoAnswer, Wanted, coupling};
 use super::{Cost, ErrorModel, SPAN};
 use crate::study::StudyError;
 use judge::claim::{Claim, Place, Statement};
 use judge::fit::{FLOORS_ABOVE, Point, Sample};
-use judge::record::{V_TIME_MAX, norm_label};
+use judge::record::norm_label;
 use report::{Axis, Chapter, Chart, Datum, Findings, Mark, Part, Scale, Series, digits};
 use run::sweep::{
     CasePlan, Cost as CaseCost, MemoryLimit, Overrides, ScenePlan, admit_constants, admit_plan,
@@ -71,15 +70,15 @@ pub fn trade(
     for change in changes {
         let Some(meshes) = meshes(setup, &change, [&n, &steps], limit, heard)? else { continue };
         bench.runs(&change, &meshes, &steps, heard);
-        if !bench.trials.iter().any(|trial| trial.record.converged()) {
-            let first = bench.trials.first().and_then(Trial::failure).unwrap_or_default();
-            return Err(StudyError::at("every run failed; the first", first));
+        if !bench.trials.iter().any(Trial::converged) {
+            let first = bench.trials.first().and_then(|trial| trial.reason.as_deref());
+            return Err(StudyError::at("every run failed; the first", first.unwrap_or_default()));
         }
         models.push(Models::of(change, &bench.trials, setup));
     }
     let (mut candidates, mut refused) = (Vec::new(), None);
     if let Some(target) = wanted.error(bench.size) {
-        let floors = of(&models[0].change, &bench.trials).map(Trial::floor);
+        let floors = of(&models[0].change, &bench.trials).map(|trial| trial.floor);
         refused = NoAnswer::admit(target, floors.fold(0.0, f64::max)).err();
         let mut none = None;
         for of_change in models.iter().filter(|_| refused.is_none()) {
@@ -196,20 +195,12 @@ struct Models {
 
 impl Models {
     fn of(change: Change, trials: &[Trial], setup: &Setup) -> Self {
-        let done: Vec<&Trial> =
-            of(&change, trials).filter(|trial| trial.record.converged()).collect();
-        let points = done.iter().map(|trial| {
-            let [h, k] = trial.steps();
-            Point { h, k, error: trial.error(), floor: trial.floor() }
-        });
-        let samples = done.iter().map(|trial| {
-            let [h, k] = trial.steps();
-            CostSample { h, k, seconds: trial.seconds() }
-        });
-        let in_time = done.iter().filter_map(|trial| {
-            let error = trial.record.norm(V_TIME_MAX)?.error?;
-            Some(Sample { step: trial.record.k, error })
-        });
+        let done: Vec<&Trial> = of(&change, trials).filter(|trial| trial.converged()).collect();
+        let points =
+            done.iter().map(|&&Trial { h, k, error, floor, .. }| Point { h, k, error, floor });
+        let samples = done.iter().map(|trial| [trial.h, trial.k, trial.seconds]);
+        let in_time =
+            done.iter().filter_map(|trial| Some(Sample { step: trial.k, error: trial.in_time? }));
         let bound = |pick: fn(u32, u32) -> u32| {
             let places = of(&change, trials).map(Trial::place);
             places.reduce(|a, b| [pick(a[0], b[0]), pick(a[1], b[1])]).unwrap_or_default()
@@ -278,8 +269,8 @@ const SAVES: f64 = 0.2;
 fn price(change: &Change, trials: &[Trial]) -> Option<Value> {
     let both = |plain: &Trial| {
         let other = at(change, trials, plain.place())?;
-        let speed = plain.seconds() / other.seconds();
-        let error = other.error() / plain.error() - 1.0;
+        let speed = plain.seconds / other.seconds;
+        let error = other.error / plain.error - 1.0;
         let [n, steps] = plain.place();
         let price =
             json!({ "what": change, "n": n, "steps": steps, "speed": speed, "error": error });
@@ -294,32 +285,29 @@ const OFF: f64 = 0.25;
 /// What can be false in a trade. Nothing is claimed of seconds, which are those of a clock.
 fn claims(trials: &[Trial], written: &Models, answer: Option<(&Trial, f64)>) -> Vec<Claim> {
     let place = |trial: &Trial| {
-        let ([n, steps], at) = (trial.place(), trial.change.words().to_owned());
-        Place { n: Some(n), steps: Some(steps), level: None, at }
+        let at = trial.change.words().to_owned();
+        Place { n: Some(trial.n), steps: Some(trial.steps), level: None, at }
     };
     let note = |trial: &Trial, claim: Claim| Claim {
-        note: trial.failure().unwrap_or_default().into(),
+        note: trial.reason.clone().unwrap_or_default(),
         ..claim
     };
     let statement =
         Statement { source: "error", says: "20 floors of solver and rounding <= error" };
     let measured = trials.iter().map(|trial| {
-        let sides = [FLOORS_ABOVE * trial.floor(), trial.error()];
+        let sides = [FLOORS_ABOVE * trial.floor, trial.error];
         note(trial, Claim::at_most(statement, place(trial), sides, 0.0))
     });
     let statement = Statement { source: "error model", says: "|predicted/error - 1| <= 1/4" };
     let fitted = written.error.iter().flat_map(|model| {
-        let off = move |trial: &Trial| {
-            let [h, k] = trial.steps();
-            (model.error(h, k) / trial.error() - 1.0).abs()
-        };
+        let off = move |of: &Trial| (model.error(of.h, of.k) / of.error - 1.0).abs();
         let runs = trials.iter().filter(|trial| trial.change == written.change);
-        let runs = runs.filter(|trial| trial.record.converged());
+        let runs = runs.filter(|trial| trial.converged());
         runs.map(move |trial| Claim::at_most(statement, place(trial), [off(trial), OFF], 0.0))
     });
     let statement = Statement { source: "target", says: "error of the answer <= target" };
     let held = answer.map(|(trial, target)| {
-        note(trial, Claim::at_most(statement, place(trial), [trial.error(), target], OFF * target))
+        note(trial, Claim::at_most(statement, place(trial), [trial.error, target], OFF * target))
     });
     measured.chain(fitted).chain(held).collect()
 }
@@ -339,7 +327,7 @@ fn found(
     let document = &mut findings.document;
     if let Some(Candidate { change, choice }) = answer {
         let real = confirmed.as_ref().map_or(String::new(), |real| {
-            format!("; real: error {:.4e}, {:.3} CPU s", real.error(), real.seconds())
+            format!("; real: error {:.4e}, {:.3} CPU s", real.error, real.seconds)
         });
         let words = choice.words(&format!(", {}", change.words()), "");
         document.answer(format!("target {target:.4e} in {}: {words}{real}", norm.name()));
@@ -349,8 +337,9 @@ fn found(
         norm.name(),
         digits(bench.size, 5)
     ));
-    let finest = of(&written.change, &bench.trials).filter(|trial| trial.record.converged());
-    let finest = finest.map(Trial::steps).reduce(|a, b| [a[0].min(b[0]), a[1].min(b[1])]);
+    let finest = of(&written.change, &bench.trials).filter(|trial| trial.converged());
+    let finest =
+        finest.map(|trial| [trial.h, trial.k]).reduce(|a, b| [a[0].min(b[0]), a[1].min(b[1])]);
     let exponents =
         written.cost.as_ref().ok().zip(finest).map(|(cost, [h, k])| cost.exponents(h, k));
     let path = written.error.as_ref().ok().zip(exponents).and_then(|(e, ab)| coupling(e, ab));
@@ -387,10 +376,11 @@ fn found(
         "with = change; >n = n; >N = steps; >predicted error = error 4; >CPU s = cpu_seconds 3; >bytes = bytes 3",
     );
     let points: Vec<Datum> =
-        bench.trials.iter().map(|trial| (trial.seconds(), trial.error())).collect();
+        bench.trials.iter().map(|trial| (trial.seconds, trial.error)).collect();
     let best = front(&points, TIE);
-    let trial = |(i, trial): (usize, &Trial)| trial.json(best.contains(&i));
-    let trials: Value = bench.trials.iter().enumerate().map(trial).collect();
+    let mut trials = bench.trials.clone();
+    best.iter().for_each(|&i| trials[i].front = true);
+    let trials = json!(trials);
     let keys = "scene,change,n,steps,h,k,dofs,norm,error,floor,cpu_seconds,load_share,history_bytes,newton_iterations,factorizations,front,status,reason";
     findings.tables.push((".csv", keys, trials.clone()));
     findings.table(
@@ -411,7 +401,7 @@ fn found(
     findings
         .numbers(json!({ "norm": norm, "size": bench.size, "coupling": path, "answer": answer }));
     if let Some((Candidate { choice, .. }, real)) = answer.zip(confirmed) {
-        let (error, seconds) = (real.error(), real.seconds());
+        let Trial { error, seconds, .. } = real;
         let ratios =
             json!({ "error": choice.error / error, "cpu_seconds": choice.seconds / seconds });
         let confirmed = json!({ "error": error, "cpu_seconds": seconds, "ratios": ratios });
@@ -428,14 +418,14 @@ fn picture(bench: &Bench<'_>, models: &[Models], best: &[usize], target: f64) ->
         Axis::new("CPU time in seconds", Scale::Log),
         Axis::new(format!("error {}", norm_label(bench.norm.name())), Scale::Log),
     );
-    let datum = |trial: &Trial| -> Datum { (trial.seconds(), trial.error()) };
+    let datum = |trial: &Trial| -> Datum { (trial.seconds, trial.error) };
     for Models { change, .. } in models {
         let data: Vec<Datum> = of(change, &bench.trials).map(datum).collect();
         chart.series.push(Series::new(change.words(), vec![Part::Points(data)]));
     }
     let label = |&i: &usize| {
-        let [n, steps] = bench.trials[i].place();
-        (datum(&bench.trials[i]), format!("n = {n}, N = {steps}"))
+        let trial = &bench.trials[i];
+        (datum(trial), format!("n = {}, N = {}", trial.n, trial.steps))
     };
     chart.labels = best.iter().map(label).collect();
     let front = Part::Dashed(chart.labels.iter().map(|(place, _)| *place).collect());
@@ -449,23 +439,30 @@ fn picture(bench: &Bench<'_>, models: &[Models], best: &[usize], target: f64) ->
 #[cfg(test)]
 mod tests {
     use super::*;
-    use judge::record::{CaseRecord, NormError, Status};
+    use scene::Norm;
 
     fn row(change: &str, [n, steps]: [u32; 2], error: f64, seconds: f64) -> Trial {
-        let entry = NormError { norm: "V_max".into(), error: Some(error), floor: Some(0.0) };
-        let record = CaseRecord {
-            status: Status::Converged,
-            seconds_total: seconds,
-            errors: vec![entry],
-            ..CaseRecord::without_work("scene", Some(n), steps, 1.0 / f64::from(steps))
-        };
-        Trial { change: Change::new(change, Ok), record }
-    }
-
-    fn failed(trial: &Trial) -> Trial {
-        let status = Status::Failed { reason: "KKT".into() };
-        let record = CaseRecord { status, errors: Vec::new(), ..trial.record.clone() };
-        Trial { record, ..trial.clone() }
+        Trial {
+            scene: "scene".into(),
+            change: Change::new(change, Ok),
+            n,
+            steps,
+            h: 1.0 / f64::from(n),
+            k: 1.0 / f64::from(steps),
+            dofs: 0,
+            norm: Norm::VMax,
+            error,
+            floor: 0.0,
+            seconds,
+            load_share: 0.5,
+            history_bytes: 0,
+            newton_iterations: 0,
+            factorizations: 0,
+            front: false,
+            status: "converged",
+            reason: None,
+            in_time: None,
+        }
     }
 
     #[test]
@@ -478,15 +475,12 @@ mod tests {
             written([64, 16]),
             written([64, 32]),
             other.clone(),
-            failed(&row("strong loads", [64, 32], 0.25, 6.2)),
+            row("strong loads", [64, 32], f64::NAN, f64::NAN),
         ];
         let found = price(&other.change, &trials).expect("a price");
         assert_eq!((&found["n"], &found["steps"]), (&64.into(), &16.into()));
         assert_eq!((&found["speed"], &found["error"]), (&0.5.into(), &(-0.5).into()));
         assert!(price(&Change::new("contact exact", Ok), &trials).is_none());
-        // A run that failed has no numbers: loads are no part of its time.
-        let [ran, lost] = [&trials[0], &trials[4]].map(|t| t.json(false)["load_share"].clone());
-        assert!(ran.is_number() && lost.is_null(), "{ran} {lost}");
     }
 
     #[test]
