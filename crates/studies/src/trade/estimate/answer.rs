@@ -210,14 +210,12 @@ pub fn advise(goal: &Goal<'_>, found: &Companions) -> Result<Advice, NoAnswer> {
     let rate = taken.max(f64::MIN_POSITIVE) / done;
     let nowhere = (f64::INFINITY, Interval { lo: 0.0, hi: f64::INFINITY });
     let at = |choice: [f64; 2]| estimate.at([choice[0] / h, choice[1] / k]).unwrap_or(nowhere);
-    let reach = |of_run: u32, most: u32| of_run.saturating_mul(REACH).min(most);
-    // Where the data depend on the mesh, another mesh is another problem.
-    let [least, most] = if found.on_mesh { [n, n] } else { [n / SPAN, reach(n, MOST[0])] };
-    // Where levels do not depend on each other, fewer have another meaning and the same error.
-    let [fewest, longest] = match found.no_history {
-        true => [steps, steps],
-        false => [steps / SPAN, reach(steps, MOST[1])],
+    // Where a step has no error, another one is another problem, or other levels with the same error.
+    let range = |i: usize| match found.free[i] {
+        true => [goal.run[i]; 2],
+        false => [goal.run[i] / SPAN, goal.run[i].saturating_mul(REACH).min(MOST[i])],
     };
+    let [[least, most], [fewest, longest]] = [range(0), range(1)];
     let advised = |read: fn((f64, Interval)) -> f64| {
         let law = Law {
             error: Box::new(|h, k| read(at([h, k]))),
@@ -234,12 +232,9 @@ pub fn advise(goal: &Goal<'_>, found: &Companions) -> Result<Advice, NoAnswer> {
     let cautious = advised(|(_, interval)| interval.hi);
     let suits =
         |n: &u32| n.is_multiple_of(SPAN) && choices.has_cells(*n) && choices.has_cells(n / SPAN);
-    let next = match found.on_mesh {
-        true => None,
-        // The n of the run suits, and so do its multiples.
-        false => (choice.run.n..=MOST[0]).find(suits),
-    };
-    let longer = match found.no_history {
+    // The n of the run suits, and so do its multiples.
+    let next = (choice.run.n..=MOST[0]).find(|n| !found.free[0] && suits(n));
+    let longer = match found.free[1] {
         true => steps,
         false => choice.run.steps.next_multiple_of(SPAN),
     };

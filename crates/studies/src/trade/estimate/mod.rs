@@ -186,11 +186,11 @@ impl Estimate {
 
     /// Why there is no total.
     pub fn reasons(&self) -> Vec<String> {
-        let reason = |name: &str, part: &Part| match part {
-            Part::Unknown(reason) => Some(format!("{name}: {reason}")),
+        let reason = |(step, part): (&str, &Part)| match part {
+            Part::Unknown(reason) => Some(format!("{step}: {reason}")),
             _ => None,
         };
-        [reason("h", &self.space), reason("k", &self.time)].into_iter().flatten().collect()
+        [("h", &self.space), ("k", &self.time)].into_iter().filter_map(reason).collect()
     }
 }
 
@@ -227,23 +227,22 @@ fn how(norm: Norm) -> Alignment {
 
 /// The error of the run in one norm.
 pub fn norm_estimate(setup: &Setup, found: &Companions, differences: &NormDifferences) -> Estimate {
-    let [in_h, in_k] =
-        [Direction::H, Direction::K].map(|step| theory(setup, differences.norm, step));
-    // A theorem that says "at least" does not contradict a higher order that is observed.
-    let exact = |theory: Option<&Prediction>| theory.filter(|p| !p.at_least).map(|p| p.order);
-    let [no_space, no_time] = found.missing.clone().map(|missing| missing.map(Part::Unknown));
-    let space = match found.on_mesh {
-        true => Part::Below(0.0),
-        false => Part::of(differences.space, differences.floor, exact(in_h), how(differences.norm)),
+    let NormDifferences { norm, space, time, floor } = *differences;
+    let read = |i: usize, variable, apart, how, most| {
+        let theory = theory(setup, norm, variable);
+        // A theorem that says "at least" does not contradict a higher order that is observed.
+        let exact = theory.filter(|p| !p.at_least).map(|p| p.order);
+        let part = match (&found.missing[i], found.free[i]) {
+            (Some(missing), _) => Part::Unknown(missing.clone()),
+            (None, true) => Part::Below(0.0),
+            (None, false) => Part::of(apart, floor, exact, how),
+        };
+        let limits = limits(&part, most, theory);
+        part.limited(limits)
     };
-    let time = match found.no_history {
-        true => Part::Below(0.0),
-        false => Part::of(differences.time, differences.floor, exact(in_k), Alignment::Aligned),
-    };
-    let (space, time) = (no_space.unwrap_or(space), no_time.unwrap_or(time));
-    let [most_h, most_k] = of_scheme(setup, differences.norm);
-    let [of_h, of_k] = [limits(&space, most_h, in_h), limits(&time, most_k, in_k)];
-    Estimate { space: space.limited(of_h), time: time.limited(of_k) }
+    let [in_h, in_k] = of_scheme(setup, norm);
+    let space = read(0, Direction::H, space, how(norm), in_h);
+    Estimate { space, time: read(1, Direction::K, time, Alignment::Aligned, in_k) }
 }
 
 // A run with its coarser companions, and the differences of each pair in every norm.
@@ -259,10 +258,9 @@ pub struct Companions {
     pub quantities: Vec<QuantityEstimate>,
     /// Why there are no companions in h, and in k.
     pub missing: [Option<String>; 2],
-    /// The data depend on the mesh: another mesh is another problem, and h has no error.
-    pub on_mesh: bool,
-    /// No level depends on another: k has no error.
-    pub no_history: bool,
+    /// Whether h has no error, because the data depend on the mesh and another one is another problem; and k, because no level
+    /// depends on another.
+    pub free: [bool; 2],
     /// Largest ‖ε(u_n)‖ of the run.
     pub size: f64,
     /// What each run took, the run itself first.
@@ -352,20 +350,18 @@ pub fn companions_and_bound(
 /// What a run and its companions show.
 fn beside(setup: &Setup, finest: Run) -> Companions {
     let RunTime { n, steps, .. } = finest.time;
-    let on_mesh = setup.body.data.is_interpolated();
     let no_history = setup.model.memory.is_empty() && setup.kappa.lipschitz == 0.0;
-    let in_time = match no_history {
-        true => Ok(Vec::new()),
-        false => shares_times(setup, steps)
+    let free = [setup.body.data.is_interpolated(), no_history];
+    let coarser = |i: usize| match i {
+        _ if free[i] => Ok(Vec::new()),
+        0 => has_meshes(setup, n)
+            .and_then(|()| coarser(setup, &finest, [[n / 2, steps], [n / 4, steps]])),
+        _ => shares_times(setup, steps)
             .and_then(|()| coarser(setup, &finest, [[n, steps / 2], [n, steps / 4]])),
     };
-    let in_space = match on_mesh {
-        true => Ok(Vec::new()),
-        false => has_meshes(setup, n)
-            .and_then(|()| coarser(setup, &finest, [[n / 2, steps], [n / 4, steps]])),
-    };
-    let all =
-        || std::iter::once(&finest).chain([&in_time, &in_space].into_iter().flatten().flatten());
+    let [in_time, in_space] = [1, 0].map(coarser);
+    let runs: [Companion; 2] = [in_space, in_time];
+    let all = || std::iter::once(&finest).chain(runs.iter().rev().flatten().flatten());
     let floors = all().fold(Floors::default(), |floors, run| floors.max(run.floors));
     let differences = |runs: &Companion, norm| match runs.as_deref() {
         Ok([half, quarter]) => [half, quarter].map(|run| floor_in(&run.apart, norm)),
@@ -375,8 +371,8 @@ fn beside(setup: &Setup, finest: Run) -> Companions {
     let norms = NORMS.into_iter().filter(|norm| on_contact || !norm.needs_contact());
     let norms = norms.map(|norm| NormDifferences {
         norm,
-        space: differences(&in_space, norm),
-        time: differences(&in_time, norm),
+        space: differences(&runs[0], norm),
+        time: differences(&runs[1], norm),
         floor: floor_in(&floors, norm),
     });
     let triple = |runs: &Companion, name: &str, value: f64| {
@@ -385,24 +381,18 @@ fn beside(setup: &Setup, finest: Run) -> Companions {
         Some([quarter?, half?, value])
     };
     let quantities = scalars(&finest.state).into_iter().map(|(name, value)| {
-        // A field of functions in V^h has no error in h.
-        let space = match on_mesh {
+        let values = [0, 1].map(|i| match free[i] {
             true => Some([value; 3]),
-            false => triple(&in_space, &name, value),
-        };
-        let time = match no_history {
-            true => Some([value; 3]),
-            false => triple(&in_time, &name, value),
-        };
-        quantity(&name, space, time, value)
+            false => triple(&runs[i], &name, value),
+        });
+        quantity(&name, values, value)
     });
     Companions {
         norms: norms.collect(),
         quantities: quantities.collect(),
         times: all().map(|run| run.time).collect(),
-        missing: [&in_space, &in_time].map(|runs| runs.as_ref().err().cloned()),
-        on_mesh,
-        no_history,
+        missing: runs.each_ref().map(|runs| runs.as_ref().err().cloned()),
+        free,
         size: finest.size,
         state: finest.state,
     }
@@ -543,19 +533,12 @@ pub struct QuantityEstimate {
 }
 
 /// Reads the values of a quantity on [4h, 2h, h] and on [4k, 2k, k]; None for a direction that was not run.
-pub(super) fn quantity(
-    name: &str,
-    space: Option<[f64; 3]>,
-    time: Option<[f64; 3]>,
-    value: f64,
-) -> QuantityEstimate {
-    let read = |values: Option<[f64; 3]>| {
-        values.map(|[coarse, middle, fine]| {
-            let at = |step: f64, value: f64| ValueSample { step, value };
-            Triple::of([at(4.0, coarse), at(2.0, middle), at(1.0, fine)])
-        })
+pub(super) fn quantity(name: &str, values: [Option<[f64; 3]>; 2], value: f64) -> QuantityEstimate {
+    let read = |[coarse, middle, fine]: [f64; 3]| {
+        let at = |step: f64, value: f64| ValueSample { step, value };
+        Triple::of([at(4.0, coarse), at(2.0, middle), at(1.0, fine)])
     };
-    let triples = [read(space), read(time)];
+    let triples = values.map(|values| values.map(read));
     let (mut shift, mut width, mut reason) = (0.0, 0.0, None);
     for (step, triple) in ["h", "k"].into_iter().zip(triples) {
         let refused = match triple {
@@ -701,7 +684,7 @@ mod tests {
             let at = |h: f64, k: f64| 5.0 + 2.0 * h * h + k * k;
             let space = [at(0.4, 0.1), at(0.2, 0.1), at(0.1, 0.1)];
             let time = [at(0.1, 0.4), at(0.1, 0.2), at(0.1, 0.1)];
-            let found = quantity("q", Some(space), Some(time), at(0.1, 0.1));
+            let found = quantity("q", [Some(space), Some(time)], at(0.1, 0.1));
             // Differences of numbers of size 5 with 16 digits, over 3.
             assert!((found.extrapolated.expect("a limit") - 5.0).abs() < 1e-13);
             // Roache's factor 1.25 on both corrections.
@@ -712,11 +695,11 @@ mod tests {
 
         #[test]
         fn what_does_not_converge_has_no_bound() {
-            let growing = quantity("q", Some([0.0, 1.0, 3.0]), Some([3.0; 3]), 3.0);
+            let growing = quantity("q", [Some([0.0, 1.0, 3.0]), Some([3.0; 3])], 3.0);
             assert!(growing.uncertainty.is_none() && growing.extrapolated.is_none());
             assert!(growing.reason.expect("a reason").contains("in h"));
-            assert!(quantity("q", None, Some([3.0; 3]), 3.0).uncertainty.is_none());
-            let oscillating = quantity("q", Some([3.1, 2.9, 3.0]), Some([3.0; 3]), 3.0);
+            assert!(quantity("q", [None, Some([3.0; 3])], 3.0).uncertainty.is_none());
+            let oscillating = quantity("q", [Some([3.1, 2.9, 3.0]), Some([3.0; 3])], 3.0);
             assert!((oscillating.uncertainty.expect("a range") - 0.2).abs() < 1e-15);
         }
     }
