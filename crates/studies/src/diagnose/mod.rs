@@ -397,27 +397,23 @@ pub fn culprit(outcomes: &[Outcome]) -> Finding {
 
 /// The finding in one sentence.
 pub fn sentence(finding: &Finding, outcomes: &[Outcome]) -> String {
-    match finding {
-        Finding::NothingFails => "not among the terms: every variant shows what it must".into(),
-        Finding::Prediction => {
-            "not among the terms: the prediction is wrong, the program is sound".into()
-        }
-        Finding::Unexplained => {
-            "not among the terms: the trials that fail have nothing in common".into()
-        }
-        Finding::Two(a, b) => format!("culprits: {}, and {}", a.words(), b.words()),
+    let none = "not among the terms";
+    let (head, said) = match finding {
+        Finding::NothingFails => (none, "every variant shows what it must".into()),
+        Finding::Prediction => (none, "the prediction is wrong, the program is sound".into()),
+        Finding::Unexplained => (none, "the trials that fail have nothing in common".into()),
+        Finding::Two(a, b) => ("culprits", format!("{}, and {}", a.words(), b.words())),
         Finding::One(convicted) => match convicted[..] {
-            [one] => format!("culprit: {} ({})", one.words(), evidence(one, outcomes)),
+            [one] => ("culprit", format!("{} ({})", one.words(), evidence(one, outcomes))),
             _ => {
                 let names: Vec<&str> = convicted.iter().map(|suspect| suspect.words()).collect();
-                let head = match convicted.iter().any(|suspect| suspect.is_term()) {
-                    true => "culprit",
-                    false => "not among the terms",
-                };
-                format!("{head}: {} (no trial tells them apart)", names.join("; or "))
+                let is_term = convicted.iter().any(|suspect| suspect.is_term());
+                let said = format!("{} (no trial tells them apart)", names.join("; or "));
+                (if is_term { "culprit" } else { none }, said)
             }
         },
-    }
+    };
+    format!("{head}: {said}")
 }
 
 /// What removal restores, or which trials fail.
