@@ -39,6 +39,16 @@ pub(super) fn number(cell: &str) -> Option<Number> {
         return None;
     }
     let mut text = cell.trim().trim_matches(['$', '`']).replace("\\%", "%");
+    // A macro of a mantissa and an exponent, whatever its name.
+    if text.starts_with('\\')
+        && let Some((mantissa, exponent)) = text.split_once("}{")
+        && let Some((command, mantissa)) = mantissa.split_once('{')
+        && let Some(exponent) = exponent.strip_suffix('}')
+        && command[1..].chars().all(char::is_alphabetic)
+        && exponent.trim().parse::<i32>().is_ok()
+    {
+        return number(&format!("{}e{}", mantissa.trim(), exponent.trim()));
+    }
     text = text
         .replace(['\u{2212}', '–'], "-")
         .replace("\\pi", "π")
@@ -192,7 +202,7 @@ const LONGEST_NAME: usize = 200;
 
 // Names of columns in normal form, as `normal` gives it.
 const LENGTHS: &str = "h hmax dx deltax meshsize maxh hx cellsize gridspacing spacing meshwidth elementsize panelsize";
-const TIMES: &str = "k dt deltat tau timestep timestepsize stepsize htime";
+const TIMES: &str = "k dt deltat tau dtau timestep timestepsize stepsize htime";
 const SIDES: &str = "n nx mx nx1 grille gitter maillage cellsperside elementsperside resolution grid mesh numpts npts ngridpoints gridpoints 1h oneoverh 1dx hinv ny nz res intervals";
 const STEPS: &str = "steps nsteps nt timesteps numberofsteps 1dt 1k";
 const CELLS: &str = "cells ncells numcells numberofcells activecells nactivecells numberofactivecells cellnumbers \
@@ -272,6 +282,16 @@ pub(super) fn role(name: &str) -> Role {
     if ["h^", "dx^", "dt^", "h²"].iter().any(|h| power.starts_with(h)) {
         return Role::Ignored;
     }
+    if is_rate_elsewhere(name) {
+        return Role::Ignored;
+    }
+    // `hDEC`.
+    if bare.strip_prefix('h').is_some_and(|of| {
+        of.starts_with(char::is_uppercase) && of.chars().all(char::is_alphanumeric)
+    }) && !KNOWN.contains_key(&*normalised)
+    {
+        return LENGTH;
+    }
     // `h||` is what is left of a norm.
     let bars = name.contains("||") || name.contains('‖');
     let bars = bars || name.matches('|').count() > 1 && name.contains('-') || name.contains("Vert");
@@ -349,6 +369,11 @@ pub(super) fn is_size(name: &str) -> bool {
     matches!(role(name), Role::Space(_) | Role::Time(_))
 }
 
+/// Whether a name is that of the standard error of a mean.
+pub(super) fn is_standard_error(name: &str) -> bool {
+    ["stderr", "stderror", "standarderror", "se", "sem", "mcerror"].contains(&&*normal(name))
+}
+
 pub(super) fn is_norm(name: &str) -> bool {
     matches!(role(name), Role::Wide | Role::Error | Role::Value)
 }
@@ -377,7 +402,12 @@ pub(super) fn says_error(name: &str) -> bool {
 
 pub(super) fn is_rate(name: &str) -> bool {
     let normalised = normal(name);
-    RATES.split(' ').any(|rate| normalised.contains(rate))
+    RATES.split(' ').any(|rate| normalised.contains(rate)) || is_rate_elsewhere(name)
+}
+
+/// Whether a name says order in Chinese; `σ 阶` is no deviation.
+fn is_rate_elsewhere(name: &str) -> bool {
+    name.contains('阶') && !is_error_elsewhere(name)
 }
 
 /// How well a column answers to a name that a caller gives: 4 for the name itself, 3 but for case and signs, 2 if `L2`

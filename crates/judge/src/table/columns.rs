@@ -6,8 +6,8 @@ use super::cell::{
     Comma, Measure, Number, Role, is_missing, is_rate, likeness, named, number, role, says_error,
 };
 use super::guess::{
-    approach_a_limit, are_orders, by_numbers, by_powers, by_values, confirm, hardly_changes,
-    of_errors,
+    approach_a_limit, are_orders, by_deviation, by_numbers, by_powers, by_values, confirm,
+    hardly_changes, is_rounding, of_errors,
 };
 use super::line::{Block, Cells, is_computed, listed};
 use super::{Quantity, Reading, TableError};
@@ -100,6 +100,7 @@ impl Columns {
         let runs = reading.runs || reader.roles.contains(&Role::Run);
         let mut sizes = [reader.size(false)?, reader.size(true)?];
         reader.drop_level(&mut sizes);
+        reader.drop_steps(&mut sizes);
         if let Some(measured) = measured.iter().find(|m| are_orders(&block.title, &m.entries)) {
             let name = measured.norm.as_deref().unwrap_or("error");
             let title = &block.title;
@@ -177,6 +178,7 @@ impl<'a> Reader<'a> {
         if reading.ratio.is_none() {
             by_values(block, &mut roles, &mut notes);
         }
+        by_deviation(block, &mut roles, &mut notes);
         let counted = by_numbers(block, reading, &mut roles, &mut notes);
         // What a rate follows is an error, whatever its name; of several such the caller may name some. What is computed from another
         // column is a rate, whatever its name.
@@ -420,9 +422,17 @@ impl<'a> Reader<'a> {
             let name = self.name(*at);
             let entries =
                 || self.column(*at, false).ok()?.into_iter().collect::<Option<Vec<f64>>>();
-            !says_error(name)
-                && !asked(name)
-                && entries().is_some_and(|e| approach_a_limit(&e) || beside && hardly_changes(&e))
+            // So is a norm of no difference that is rounding throughout.
+            let rounding = || {
+                let bare =
+                    !name.contains(['-', '\u{2212}']) && !name.to_lowercase().contains("err");
+                bare && name.contains('|') && entries().is_some_and(|e| is_rounding(&e))
+            };
+            !asked(name)
+                && (!says_error(name)
+                    && entries()
+                        .is_some_and(|e| approach_a_limit(&e) || beside && hardly_changes(&e))
+                    || beside && rounding())
         };
         let (values, errors): (Vec<usize>, Vec<usize>) = wide.iter().partition(|at| is_value(at));
         match (values.first(), errors.is_empty()) {

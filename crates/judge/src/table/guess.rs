@@ -1,7 +1,9 @@
 //! What the numbers of columns say where their names do not.
 
 use super::Reading;
-use super::cell::{Measure, Role, is_norm, is_residual, is_size, number};
+use super::cell::{
+    Measure, Role, is_norm, is_rate, is_residual, is_size, is_standard_error, number,
+};
 use super::line::{Block, Cells, is_word, listed};
 
 /// Sizes that a person takes for such refine by one factor, as far as they are printed.
@@ -20,6 +22,8 @@ const LEAST_BESIDE: f64 = 1.5;
 const COLUMN: &str = "column";
 const LINE: &str = "line";
 const OTHERS: &str = "time cpu wall sec tol eps iter expect predict theor std deviation log memory speed balance change";
+/// Names of what a mesh of an unknown dimension has.
+const OF_MESH: &str = "node vert point count unknown dof";
 /// Names of what falls with the size and is no error.
 const LENGTHS: &str = "size edge width length spacing diameter radius volume area mass";
 /// Orders of what falls like a power of the size lie between these, and differ by less than this factor. A value that tends to a limit
@@ -61,7 +65,9 @@ fn size(rows: &[Cells], at: usize) -> Option<Measure> {
     let numbers = numbers(rows, at)?;
     let whole = numbers.iter().all(|number| number.fract() == 0.0);
     // Counts in the first column may grow as people choose them, not evenly as rows and degrees do.
-    let grows = |pair: &[f64]| (1.2..LARGEST_FACTOR).contains(&(pair[1] / pair[0]));
+    // What grows tenfold in all may do so slowly.
+    let least = if numbers[numbers.len() - 1] >= 10.0 * numbers[0] { 1.1 } else { 1.2 };
+    let grows = |pair: &[f64]| (least..LARGEST_FACTOR).contains(&(pair[1] / pair[0]));
     let even = numbers.windows(3).all(|all| all[2] - all[1] == all[1] - all[0]);
     if at == 0 && whole && !even && numbers.windows(2).all(grows) {
         return Some(Measure::Number);
@@ -84,6 +90,21 @@ fn round(block: &Block) -> Option<Measure> {
     (falls && block.rows.iter().all(short)).then_some(Measure::Length)
 }
 
+/// The only numbers beside errors that names say, where they fall and the errors rise: so do the steps of a difference quotient below
+/// which rounding grows. Tolerances do not.
+fn only(block: &Block, roles: &[Role]) -> Option<(usize, Measure)> {
+    let said = |at: &usize| matches!(roles[*at], Role::Error | Role::Wide);
+    let words = |at: &usize| block.rows.iter().any(|row| value(row, *at).is_none());
+    let other = |at: &usize| !said(at) && !is_rate(&block.names[*at]) && !words(at);
+    let mut open = (0..roles.len()).filter(other);
+    let (at, None) = (open.next()?, open.next()) else { return None };
+    let rises = |of: usize| fall(&block.rows, of, false).is_some_and(|by| by > LEAST_FALL);
+    let mut errors = (0..roles.len()).filter(said).peekable();
+    let sound = errors.peek().is_some() && errors.all(rises);
+    let small = numbers(&block.rows, at)?[0] < 1.0 && fall(&block.rows, at, true).is_some();
+    (sound && small).then_some((at, Measure::Length))
+}
+
 /// Whether the rows refine from first to last, or from last to first, at one rate.
 fn refines(rows: &[Cells], at: usize, measure: Measure) -> Option<bool> {
     let factor = || factor(&numbers(rows, at)?, COUNTS_DIFFER).filter(|f| (f - 1.0).abs() > 0.2);
@@ -97,8 +118,11 @@ fn fall(rows: &[Cells], at: usize, forward: bool) -> Option<f64> {
     if !forward {
         numbers.reverse();
     }
-    let falling = numbers.windows(2).all(|pair| pair[1] < pair[0]);
-    falling.then(|| numbers[0] / numbers[numbers.len() - 1])
+    let down = 1 + numbers.windows(2).take_while(|pair| pair[1] < pair[0]).count();
+    let fall = numbers[0] / numbers[down - 1];
+    // Behind so many decades rounding, or another error, may let them rise again.
+    let rises = down > 3 && fall >= TWO_DECADES && numbers[down - 1..].is_sorted();
+    (down == numbers.len() || rises).then_some(fall)
 }
 
 /// By how much a column below 1 falls that may be one of errors, 0 if it does not; none for what has no number.
@@ -193,6 +217,12 @@ pub(super) fn by_numbers(
         let mut open = (0..roles.len()).filter(open);
         counted = open.find_map(|at| size(rows, at).map(|measure| (at, measure)));
         counted = counted.or(round(block).map(|measure| (0, measure)));
+        if let Some((at, measure @ Measure::Number)) = &mut counted
+            && OF_MESH.split(' ').any(|of| block.names[*at].to_lowercase().contains(of))
+        {
+            *measure = Measure::Unknowns;
+        }
+        counted = counted.or_else(|| only(block, roles));
         if let Some((at, measure)) = counted {
             roles[at] = Role::Space(measure);
         }
@@ -222,6 +252,20 @@ pub(super) fn by_numbers(
         }
     }
     counted.map(|(at, _)| (at, forward.unwrap_or(true)))
+}
+
+/// Where no other column is one of errors, a standard error that falls, or grows, in each row is.
+pub(super) fn by_deviation(block: &Block, roles: &mut [Role], notes: &mut Vec<String>) {
+    let measures =
+        |role: &Role| matches!(role, Role::Error | Role::Value | Role::Wide | Role::Norm);
+    let deviation = |at: &usize| is_standard_error(&block.names[*at]);
+    let mut places = (0..roles.len()).filter(deviation);
+    let others = || (0..roles.len()).filter(|at| !deviation(at) && measures(&roles[*at])).count();
+    let (Some(at), None, 0) = (places.next(), places.next(), others()) else { return };
+    if [true, false].into_iter().any(|forward| fall(&block.rows, at, forward).is_some()) {
+        roles[at] = Role::Error;
+        notes.push(format!("`{}` taken for the error: no other column is one", block.names[at]));
+    }
 }
 
 /// Columns without a known name that fall like powers of the size are errors.
@@ -311,7 +355,8 @@ pub(super) fn confirm(
     let Some((at, forward)) = counted else { return };
     let errors =
         (0..roles.len()).filter(|&of| matches!(roles[of], Role::Error | Role::Value | Role::Wide));
-    let mut falls = errors.map(|of| fall(&block.rows, of, forward).is_some());
+    let alone = only(block, roles).is_some_and(|(of, _)| of == at);
+    let mut falls = errors.map(|of| alone || fall(&block.rows, of, forward).is_some());
     if falls.next() == Some(true) && falls.all(|falls| falls) {
         notes.insert(0, format!("`{}` taken for a size by its numbers", block.names[at]));
     } else {
@@ -384,6 +429,13 @@ pub(super) fn are_orders(title: &str, entries: &[Option<f64>]) -> bool {
 pub(super) fn hardly_changes(entries: &[f64]) -> bool {
     let sizes = || entries.iter().map(|entry| entry.abs());
     entries.len() > 2 && sizes().fold(0.0, f64::max) < 1.1 * sizes().fold(f64::MAX, f64::min)
+}
+
+/// Whether numbers are as small as rounding and fall no further.
+pub(super) fn is_rounding(entries: &[f64]) -> bool {
+    let sizes = || entries.iter().map(|entry| entry.abs());
+    let (least, most) = (sizes().fold(f64::MAX, f64::min), sizes().fold(0.0, f64::max));
+    most < ROUNDING / 10.0 && most < 10.0 * least
 }
 
 /// Numbers that change in one direction, by less from row to row, and by less than half in all. An error that is refined

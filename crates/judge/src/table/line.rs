@@ -2,7 +2,7 @@
 
 use std::collections::HashSet;
 
-use super::cell::{is_missing, is_norm, is_rate, is_size, number};
+use super::cell::{is_missing, is_norm, is_rate, is_size, number, sides};
 
 /// A row, cut into cells.
 #[derive(Debug, Clone, PartialEq)]
@@ -53,6 +53,34 @@ impl Block {
         }
         if self.names.is_empty() || self.rows.is_empty() {
             return self;
+        }
+        // One name above words and meshes is that of the meshes.
+        let meshes =
+            || sides(self.rows.iter().map(|row| row.cells.get(1).map_or("", String::as_str)));
+        if self.names.len() > 2
+            && self.names[1].is_empty()
+            && is_size(&self.names[0])
+            && self.rows.iter().all(|row| row.cells.first().is_some_and(|cell| is_word(cell)))
+            && meshes().is_some()
+        {
+            self.names[1] = self.names[0].clone();
+            self.names[0] += " (words)";
+        }
+        // What grows in a first column without a name counts, unless it counts the rows.
+        let first = |row: &Cells| number(row.cells.first()?).map(|number| number.value);
+        let firsts = self.rows.iter().map(first).collect::<Option<Vec<f64>>>();
+        let steps = |firsts: &[f64]| -> Vec<f64> {
+            firsts.windows(2).map(|pair| pair[1] - pair[0]).collect()
+        };
+        if self.names.len() > 1
+            && self.names[0].is_empty()
+            && firsts.as_deref().map(steps).is_some_and(|steps| {
+                steps.len() > 2
+                    && steps.iter().all(|step| *step > 0.0)
+                    && steps[0] != steps[steps.len() - 1]
+            })
+        {
+            self.names[0] = "first column".into();
         }
         for at in (0..self.names.len()).rev() {
             // `50/9` unknowns are those of two fields.
@@ -395,6 +423,12 @@ impl Line<'_> {
             Kind::Comment if self.cells.len() != width || self.cells[0] != "#" => {
                 cut(self.bare(), separator)
             }
+            // `max |u|` has bars of its own: those that part cells have a blank on both sides.
+            _ if separator == Separator::Pipe && self.cells.len() > width => {
+                let cells: Vec<&str> = self.text.trim().trim_matches(BARS).split(" | ").collect();
+                let parted = cells.iter().map(|cell| cell.trim().to_owned());
+                if cells.len() == width { parted.collect() } else { self.cells.clone() }
+            }
             _ => self.cells.clone(),
         }
     }
@@ -403,6 +437,9 @@ impl Line<'_> {
 /// The text with cells of one row in one line, and numbers as programs write them: `1.2×10⁻³` for `1.2\times 10^{-3}`.
 pub(super) fn plain(text: &str) -> String {
     let (html, list) = (text.contains("<td"), text.contains("* - "));
+    let latex = text.contains('&') && text.contains("\\\\");
+    // The line of a row of LaTeX that has not ended.
+    let mut open: Option<usize> = None;
     let mut out: Vec<String> = Vec::new();
     // The line on which the row begins whose cells are read.
     let mut row = None;
@@ -411,6 +448,17 @@ pub(super) fn plain(text: &str) -> String {
         let line = line.trim_start().strip_prefix(":header:").unwrap_or(line);
         let bare = line.trim();
         let cell = bare.strip_prefix("- ").or((bare == "-").then_some(""));
+        if let Some(at) = open.filter(|&at| {
+            bare.starts_with('&') || bare.starts_with("\\\\") || out[at].trim_end().ends_with('&')
+        }) {
+            out[at] += &format!(" {bare}");
+            out.push(String::new());
+            open = open.filter(|_| !bare.contains("\\\\"));
+            continue;
+        }
+        let ends =
+            bare.is_empty() || bare.contains("\\\\") || is_rule(bare) || bare.starts_with('%');
+        open = (latex && !ends).then_some(out.len());
         match (row, cell) {
             _ if html && (row.is_some() || bare.contains("<tr")) => {
                 let at = *row.get_or_insert(out.len());

@@ -2,7 +2,7 @@
 //! lies on its side, or with their name before each number.
 
 use super::cell::{is_missing, is_norm, is_rate, is_size, number};
-use super::line::{BARS, Block};
+use super::line::{BARS, Block, is_rule};
 
 /// More lists are those of no study.
 const MOST_LISTS: usize = 1000;
@@ -222,8 +222,9 @@ fn scan(text: &str) -> Vec<List> {
     let mut scan = Scan::default();
     for (line, text) in (1..).zip(text.lines()) {
         // What ends a row of LaTeX is no part of its last number.
-        let text = text.trim_end().trim_end_matches("\\\\");
-        let tokens = tokens(text, scan.depth);
+        let text = text.trim_end().trim_end_matches("\\hline").trim_end().trim_end_matches("\\\\");
+        let rule = text.trim_start().starts_with('\\') && is_rule(text);
+        let tokens = tokens(if rule { "" } else { text }, scan.depth);
         let bare = tokens.iter().all(|token| matches!(token, Token::Number(_) | Token::Word("*")));
         if scan.open && (bare || text.trim_start().starts_with("Column")) {
             let numbers = tokens.iter().filter(|_| bare);
@@ -274,7 +275,9 @@ fn tables(text: &str) -> Vec<Vec<List>> {
         // Of `Dict(:l2` the name stands behind the bracket.
         let name = list.name.rsplit_once('(').filter(|(_, inner)| !inner.contains(')'));
         let name = name.map_or(&*list.name, |(_, inner)| inner).replace('$', "");
-        list.name = singular(name.trim_matches(|c: char| c.is_whitespace() || "\"'`|".contains(c)));
+        // The bars of `\| u \|` are its own.
+        let marks = if name.contains("\\|") { "\"'`" } else { "\"'`|" };
+        list.name = singular(name.trim_matches(|c: char| c.is_whitespace() || marks.contains(c)));
         if list.name.is_empty() && list.cells.iter().all(|cell| cell.contains(['x', '×'])) {
             (list.name, list.across) = ("mesh".into(), true);
         }

@@ -67,6 +67,8 @@ fn pairs(line: &str) -> Vec<(String, String)> {
         // A sentence may end with a number.
         let bare = word.trim_end_matches('.');
         let word = if number(bare).is_some() { bare } else { word };
+        // A mark of a list may touch a mesh.
+        let word = word.strip_prefix('-').filter(|mesh| mesh.contains(['x', '×'])).unwrap_or(word);
         match word {
             "," => name.clear(),
             "=" => {
@@ -98,6 +100,17 @@ fn pairs(line: &str) -> Vec<(String, String)> {
             _ if number(word).is_some() && count(words.peek()).is_some() => {
                 found.extend(count(words.peek()).map(|name| (name, word.to_owned())));
                 words.next();
+                name.clear();
+            }
+            // `13.6% error for df/du`.
+            _ if number(word).is_some()
+                && !is_norm(&named)
+                && words.peek().is_some_and(|next| matches!(*next, "error" | "errors")) =>
+            {
+                let of: Vec<&str> =
+                    words.clone().take_while(|w| *w != "," && number(w).is_none()).collect();
+                words.nth(of.len() - 1);
+                found.push((of[..of.len().min(MOST_WORDS)].join(" "), word.to_owned()));
                 name.clear();
             }
             _ if number(word).is_some()

@@ -62,6 +62,19 @@ pub(super) fn head(
     {
         return block(names, title(2), rows, left_out);
     }
+    // A size of a row above, and below the others an error with its order each.
+    if let Some(above) = texts[1..]
+        .iter()
+        .map(|line| words(line))
+        .find(|names| separator != Separator::Blanks && names.len() > 1 && is_size(&names[0]))
+        && words(first).len() + 1 == width
+        && let [size, over @ ..] = &above[..]
+        && words(first).iter().all(|name| is_norm(name) || is_rate(name))
+        && let Some(names) = below_spanning(over, &words(first), width - 1)
+    {
+        fill_rates(&mut rows, &[vec![size.clone()], names.clone()].concat(), 0);
+        return block([vec![size.clone()], names].concat(), title(3), rows, left_out);
+    }
     // Two rows of names: `rho` over `error EOC`.
     if let Some(second) = texts.get(1)
         && let Some(names) = two_rows(&words(second), &words(first), width)
@@ -247,10 +260,15 @@ fn is_index(rows: &[Cells]) -> bool {
 
 /// Names that stand twice below `k = 1` and `k = 2`, which span columns: the first of them is of the first.
 fn below_spanning(above: &[String], below: &[String], width: usize) -> Option<Vec<String>> {
-    let over: Vec<&String> = above.iter().filter(|n| !n.is_empty() && !is_size(n)).collect();
+    // What stands above a size spans nothing.
+    let own = |at: usize| above.len() == width && below.get(at).is_some_and(|name| is_size(name));
+    let over = above.iter().enumerate().filter(|(at, n)| !n.is_empty() && !is_size(n) && !own(*at));
+    let over: Vec<&String> = over.map(|(_, name)| name).collect();
     let same =
         |names: &[String], name: &String| names.iter().filter(|other| *other == name).count();
-    let spanned = |name: &String| is_norm(name) && same(below, name) == over.len();
+    let spanned = |name: &String| {
+        !is_size(name) && !is_rate(name) && !name.is_empty() && same(below, name) == over.len()
+    };
     let name = |(at, name): (usize, &String)| match spanned(name) {
         true => format!("{} {name}", over[same(&below[..at], name)]),
         false => name.clone(),

@@ -200,6 +200,20 @@ impl Reader<'_> {
         Ok(Some(first))
     }
 
+    /// Beside a mesh that is refined in each row a time step that stays and falls by turns is one of the runs, and no size.
+    pub(super) fn drop_steps(&mut self, sizes: &mut [Option<Size>; 2]) {
+        let [Some(mesh), Some(time)] = &*sizes else { return };
+        let refined = mesh.steps.windows(2).all(|pair| pair[1] < pair[0]);
+        let falls = time.steps.windows(2).filter(|pair| pair[1] < pair[0]).count();
+        let stays = time.steps.windows(2).filter(|pair| pair[1] == pair[0]).count();
+        if refined && falls > 0 && stays > 0 && falls + stays + 1 == time.steps.len() {
+            let name = self.name(time.at).to_owned();
+            self.notes.push(format!("`{name}` goes along and does not fall in each row"));
+            self.left_out.push(time.at);
+            sizes[1] = None;
+        }
+    }
+
     /// Beside a time step that changes with it a level counts the rows.
     pub(super) fn drop_level(&mut self, sizes: &mut [Option<Size>; 2]) {
         let [Some(level), Some(time)] = &*sizes else { return };
@@ -239,7 +253,9 @@ impl Reader<'_> {
             });
             let grows = distinct.len() > 1 && distinct[1] > distinct[0];
             let degree = time && name == "k" && whole && grows;
-            match (counts || degree, other) {
+            // `eps` of 1/N says that `N` counts.
+            let inverse = (0..self.roles.len()).any(|of| self.is_inverse(size.at, of));
+            match ((counts || degree) && !inverse, other) {
                 (true, true) => {
                     self.roles[size.at] = Role::Parameter;
                     self.left_out.push(size.at);
@@ -258,6 +274,16 @@ impl Reader<'_> {
         }
         *found = kept;
         Ok(())
+    }
+
+    /// Whether two columns are inverse to one another.
+    fn is_inverse(&self, one: usize, other: usize) -> bool {
+        let (Ok(a), Ok(b)) = (self.column(one, false), self.column(other, false)) else {
+            return false;
+        };
+        let products: Vec<f64> =
+            a.iter().zip(&b).filter_map(|(a, b)| Some((*a)? * (*b)?)).collect();
+        products.len() == a.len() && products.iter().all(|p| (p / products[0] - 1.0).abs() < 1e-3)
     }
 
     /// Whether cells are as the square or the cube of a number.
