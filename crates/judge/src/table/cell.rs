@@ -195,6 +195,17 @@ pub(super) enum Role {
     Unknown,
 }
 
+impl Role {
+    /// Of a size its measure, and whether it is a time step.
+    pub(super) fn size(self) -> Option<(Measure, bool)> {
+        match self {
+            Role::Space(measure) => Some((measure, false)),
+            Role::Time(measure) => Some((measure, true)),
+            _ => None,
+        }
+    }
+}
+
 const LENGTH: Role = Role::Space(Measure::Length);
 
 /// A longer one is prose, or a line that is torn.
@@ -222,8 +233,12 @@ const SPACES: &str = "l1 l2 l4 l8 linf h0 h1 h2 w1";
 
 /// A name in lower case without signs and LaTeX commands.
 pub(super) fn normal(name: &str) -> String {
-    let mut text =
-        name.to_lowercase().replace('δ', "delta").replace('τ', "tau").replace('∞', "inf");
+    let mut text = name
+        .to_lowercase()
+        .replace('阶', "order")
+        .replace('δ', "delta")
+        .replace('τ', "tau")
+        .replace('∞', "inf");
     for command in ["\\textrm", "\\mathrm", "\\mathbf", "\\textbf", "\\text", "\\mbox", "\\bm"] {
         text = text.replace(command, "");
     }
@@ -274,7 +289,7 @@ pub(super) fn role(name: &str) -> Role {
     if let Some((word, rest)) = bare.trim().split_once([' ', '_'])
         && ["max", "min", "mean", "avg"].contains(&word.to_lowercase().as_str())
         && let Some(&role) = KNOWN.get(&*normal(rest))
-        && matches!(role, Role::Space(_) | Role::Time(_))
+        && role.size().is_some()
     {
         return role;
     }
@@ -282,19 +297,14 @@ pub(super) fn role(name: &str) -> Role {
     if ["h^", "dx^", "dt^", "h²"].iter().any(|h| power.starts_with(h)) {
         return Role::Ignored;
     }
-    if is_rate_elsewhere(name) {
-        return Role::Ignored;
-    }
     // `hDEC`.
-    if bare.strip_prefix('h').is_some_and(|of| {
-        of.starts_with(char::is_uppercase) && of.chars().all(char::is_alphanumeric)
-    }) && !KNOWN.contains_key(&*normalised)
-    {
+    if bare.strip_prefix('h').is_some_and(|of| of.len() > 1 && of.chars().all(char::is_uppercase)) {
         return LENGTH;
     }
     // `h||` is what is left of a norm.
     let bars = name.contains("||") || name.contains('‖');
     let bars = bars || name.matches('|').count() > 1 && name.contains('-') || name.contains("Vert");
+    let bars = bars || name.matches("\\|").count() > 1;
     if let Some(&role) = KNOWN.get(&*normalised).filter(|_| !bars) {
         // `resolution (m)` counts nothing.
         let unit =
@@ -305,7 +315,7 @@ pub(super) fn role(name: &str) -> Role {
     // `h = 1/N`.
     if let Some((front, _)) = name.split_once('=')
         && let Some(&role) = KNOWN.get(&*normal(front))
-        && matches!(role, Role::Space(_) | Role::Time(_))
+        && role.size().is_some()
     {
         return role;
     }
@@ -362,16 +372,11 @@ fn part(name: &str) -> Option<Role> {
         .filter(sized)
         .chain((words.len() > 1).then_some(last).flatten().map(str::to_owned))
         .map(|part| role(&part))
-        .find(|role| matches!(role, Role::Space(_) | Role::Time(_)))
+        .find(|role| role.size().is_some())
 }
 
 pub(super) fn is_size(name: &str) -> bool {
-    matches!(role(name), Role::Space(_) | Role::Time(_))
-}
-
-/// Whether a name is that of the standard error of a mean.
-pub(super) fn is_standard_error(name: &str) -> bool {
-    ["stderr", "stderror", "standarderror", "se", "sem", "mcerror"].contains(&&*normal(name))
+    role(name).size().is_some()
 }
 
 pub(super) fn is_norm(name: &str) -> bool {
@@ -402,12 +407,7 @@ pub(super) fn says_error(name: &str) -> bool {
 
 pub(super) fn is_rate(name: &str) -> bool {
     let normalised = normal(name);
-    RATES.split(' ').any(|rate| normalised.contains(rate)) || is_rate_elsewhere(name)
-}
-
-/// Whether a name says order in Chinese; `σ 阶` is no deviation.
-fn is_rate_elsewhere(name: &str) -> bool {
-    name.contains('阶') && !is_error_elsewhere(name)
+    RATES.split(' ').any(|rate| normalised.contains(rate))
 }
 
 /// How well a column answers to a name that a caller gives: 4 for the name itself, 3 but for case and signs, 2 if `L2`

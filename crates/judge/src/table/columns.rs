@@ -6,7 +6,7 @@ use super::cell::{
     Comma, Measure, Number, Role, is_missing, is_rate, likeness, named, number, role, says_error,
 };
 use super::guess::{
-    approach_a_limit, are_orders, by_deviation, by_numbers, by_powers, by_values, confirm,
+    FIRST, approach_a_limit, are_orders, by_deviation, by_numbers, by_powers, by_values, confirm,
     hardly_changes, is_rounding, of_errors,
 };
 use super::line::{Block, Cells, is_computed, listed};
@@ -188,31 +188,7 @@ impl<'a> Reader<'a> {
             let computed =
                 (0..at).rev().filter(open).find(|&from| is_computed(&block.rows, at, from));
             let named = is_rate(names[at]) && roles[at - 1] == Role::Unknown;
-            // So is what stands behind an error, or a rate, and begins a row later.
-            let later = || {
-                let cell =
-                    |row: usize, at: usize| number(&block.rows[row].cells[at]).map(|n| n.value);
-                let rises = |row: usize| {
-                    let fall = (cell(row - 1, at - 1)? / cell(row, at - 1)?).ln();
-                    Some(fall * cell(row, at)? >= 0.0)
-                };
-                let begun = is_missing(&block.rows[0].cells[at - 1]);
-                // Behind a rate no error falls, and behind an error a rate has its sign.
-                let rate = |row| match begun {
-                    true => cell(row, at).is_some_and(|rate| rate.abs() > 0.1),
-                    false => rises(row) == Some(true),
-                };
-                is_missing(&block.rows[0].cells[at])
-                    && block.rows.len() > 2
-                    && (open(&(at - 1)) || begun && roles[at - 1] == Role::Ignored)
-                    && (1..block.rows.len()).all(rate)
-            };
-            let later = roles[at] == Role::Unknown && later();
-            if later {
-                roles[at] = Role::Ignored;
-            }
-            let later = later && roles[at - 1] != Role::Ignored;
-            let Some(from) = computed.or((named || later).then_some(at - 1)) else { continue };
+            let Some(from) = computed.or(named.then_some(at - 1)) else { continue };
             if roles[from] == Role::Unknown && reading.errors.is_empty() {
                 roles[from] = Role::Wide;
             }
@@ -289,7 +265,7 @@ impl<'a> Reader<'a> {
     }
 
     pub(super) fn name(&self, at: usize) -> &str {
-        &self.block.names[at]
+        Some(&*self.block.names[at]).filter(|name| !name.is_empty()).unwrap_or(FIRST)
     }
 
     /// The numbers of a column; `whole` are counts, in which `2,312` can be no fraction.
@@ -360,7 +336,7 @@ impl<'a> Reader<'a> {
         if places.is_empty() {
             let columns: Vec<&str> = (0..self.roles.len())
                 .filter(|&at| matches!(self.roles[at], Role::Unknown | Role::Parameter))
-                .map(|at| self.name(at))
+                .map(|at| self.block.names[at].as_str())
                 // What ends with a colon is prose above the rows.
                 .filter(|name| !name.is_empty() && !name.ends_with(':'))
                 .collect();
@@ -423,16 +399,11 @@ impl<'a> Reader<'a> {
             let entries =
                 || self.column(*at, false).ok()?.into_iter().collect::<Option<Vec<f64>>>();
             // So is a norm of no difference that is rounding throughout.
-            let rounding = || {
-                let bare =
-                    !name.contains(['-', '\u{2212}']) && !name.to_lowercase().contains("err");
-                bare && name.contains('|') && entries().is_some_and(|e| is_rounding(&e))
-            };
-            !asked(name)
-                && (!says_error(name)
-                    && entries()
-                        .is_some_and(|e| approach_a_limit(&e) || beside && hardly_changes(&e))
-                    || beside && rounding())
+            let bare = name.contains('|') && !name.contains(['-', '\u{2212}']);
+            entries().filter(|_| !asked(name)).is_some_and(|e| {
+                !says_error(name) && (approach_a_limit(&e) || beside && hardly_changes(&e))
+                    || beside && bare && is_rounding(&e)
+            })
         };
         let (values, errors): (Vec<usize>, Vec<usize>) = wide.iter().partition(|at| is_value(at));
         match (values.first(), errors.is_empty()) {
@@ -466,12 +437,9 @@ impl<'a> Reader<'a> {
                 _ => (format!("{role:?}"), false),
             };
             if let Some(before) = seen.insert(key, at) {
+                let (one, other, a, b) = (self.name(before), self.name(at), before + 1, at + 1);
                 let what = format!(
-                    "a column stands twice: `{}` is column {}, `{}` column {}; leave one of them out, or give it another name",
-                    self.name(before),
-                    before + 1,
-                    self.name(at),
-                    at + 1
+                    "a column stands twice: `{one}` is column {a}, `{other}` column {b}; leave one of them out, or give it another name"
                 );
                 return Err(TableError::at(self.block.line, what));
             }
@@ -621,7 +589,7 @@ impl<'a> Reader<'a> {
             parts.push(format!("{count} from line {line} as above, read once"));
         }
         parts.extend(self.block.notes.iter().chain(&self.notes).cloned());
-        let unread = |at: &usize| !columns.by.contains(at) && !self.name(*at).is_empty();
+        let unread = |at: &usize| !columns.by.contains(at) && !self.block.names[*at].is_empty();
         let mut left: Vec<usize> = self.left_out.iter().copied().filter(unread).collect();
         let parameter = |at: &usize| matches!(self.roles[*at], Role::Parameter | Role::Run);
         left.extend((0..self.roles.len()).filter(parameter).filter(unread));
@@ -634,11 +602,9 @@ impl<'a> Reader<'a> {
             out.push(listed(left));
         }
         if let Some(first) = self.block.left_out.first() {
-            let more = self.block.left_out.len();
-            out.push(if more > 1 {
-                format!("{more} lines from line {first}")
-            } else {
-                format!("line {first}")
+            out.push(match self.block.left_out.len() {
+                1 => format!("line {first}"),
+                more => format!("{more} lines from line {first}"),
             });
         }
         if !out.is_empty() {

@@ -1,9 +1,7 @@
 //! What the numbers of columns say where their names do not.
 
 use super::Reading;
-use super::cell::{
-    Measure, Role, is_norm, is_rate, is_residual, is_size, is_standard_error, number,
-};
+use super::cell::{Measure, Role, is_norm, is_rate, is_residual, is_size, normal, number};
 use super::line::{Block, Cells, is_word, listed};
 
 /// Sizes that a person takes for such refine by one factor, as far as they are printed.
@@ -21,6 +19,7 @@ const LEAST_BESIDE: f64 = 1.5;
 /// Names of what has none, with a number.
 const COLUMN: &str = "column";
 const LINE: &str = "line";
+pub(super) const FIRST: &str = "first column";
 const OTHERS: &str = "time cpu wall sec tol eps iter expect predict theor std deviation log memory speed balance change";
 /// Names of what a mesh of an unknown dimension has.
 const OF_MESH: &str = "node vert point count unknown dof";
@@ -94,13 +93,12 @@ fn round(block: &Block) -> Option<Measure> {
 /// which rounding grows. Tolerances do not.
 fn only(block: &Block, roles: &[Role]) -> Option<(usize, Measure)> {
     let said = |at: &usize| matches!(roles[*at], Role::Error | Role::Wide);
-    let words = |at: &usize| block.rows.iter().any(|row| value(row, *at).is_none());
-    let other = |at: &usize| !said(at) && !is_rate(&block.names[*at]) && !words(at);
+    let numeric = |at: &usize| block.rows.iter().all(|row| value(row, *at).is_some());
+    let other = |at: &usize| !said(at) && !is_rate(&block.names[*at]) && numeric(at);
     let mut open = (0..roles.len()).filter(other);
     let (at, None) = (open.next()?, open.next()) else { return None };
     let rises = |of: usize| fall(&block.rows, of, false).is_some_and(|by| by > LEAST_FALL);
-    let mut errors = (0..roles.len()).filter(said).peekable();
-    let sound = errors.peek().is_some() && errors.all(rises);
+    let sound = (0..roles.len()).filter(said).all(rises);
     let small = numbers(&block.rows, at)?[0] < 1.0 && fall(&block.rows, at, true).is_some();
     (sound && small).then_some((at, Measure::Length))
 }
@@ -121,7 +119,9 @@ fn fall(rows: &[Cells], at: usize, forward: bool) -> Option<f64> {
     let down = 1 + numbers.windows(2).take_while(|pair| pair[1] < pair[0]).count();
     let fall = numbers[0] / numbers[down - 1];
     // Behind so many decades rounding, or another error, may let them rise again.
-    let rises = down > 3 && fall >= TWO_DECADES && numbers[down - 1..].is_sorted();
+    let rises = down > 3
+        && fall >= TWO_DECADES
+        && numbers[down..].iter().all(|number| *number >= numbers[down - 1]);
     (down == numbers.len() || rises).then_some(fall)
 }
 
@@ -139,13 +139,8 @@ fn is_other(name: &str) -> bool {
 
 /// Where the numbers of a column of sizes contradict its name, they say what it is.
 pub(super) fn by_values(block: &Block, roles: &mut [Role], notes: &mut Vec<String>) {
-    let direction = |role: Role| match role {
-        Role::Space(measure) => Some((measure, false)),
-        Role::Time(measure) => Some((measure, true)),
-        _ => None,
-    };
     for at in 0..roles.len() {
-        let Some((measure, time)) = direction(roles[at]) else { continue };
+        let Some((measure, time)) = roles[at].size() else { continue };
         let cells = block.rows.iter().map(|row| value(row, at)).collect::<Option<Vec<f64>>>();
         let Some(rows) = cells.filter(|sizes| sizes.len() > 2) else { continue };
         // The same in all rows it is a setting; a length beside a time step is one of the two sizes.
@@ -154,7 +149,7 @@ pub(super) fn by_values(block: &Block, roles: &mut [Role], notes: &mut Vec<Strin
             continue;
         }
         let other = (0..roles.len())
-            .find(|&of| of != at && direction(roles[of]).is_some_and(|(_, other)| other == time));
+            .find(|&of| of != at && roles[of].size().is_some_and(|(_, other)| other == time));
         let mut sizes = rows.clone();
         sizes.sort_by(f64::total_cmp);
         sizes.dedup();
@@ -206,15 +201,13 @@ pub(super) fn by_numbers(
         return None;
     }
     let unknown = |role: &Role| *role == Role::Unknown;
-    let sized = |role: &Role| match *role {
-        Role::Space(measure) | Role::Time(measure) => Some(measure),
-        _ => None,
-    };
+    let sized = |role: &Role| role.size().map(|(measure, _)| measure);
     let mut counted = None;
     if roles.iter().all(|role| sized(role).is_none()) && reading.ratio.is_none() && roles.len() > 1
     {
         let open = |at: &usize| unknown(&roles[*at]) && !is_other(&block.names[*at]);
-        let mut open = (0..roles.len()).filter(open);
+        let bare = |at: &usize| *at == 0 && block.names[0].is_empty();
+        let mut open = (0..roles.len()).filter(|at| open(at) || bare(at));
         counted = open.find_map(|at| size(rows, at).map(|measure| (at, measure)));
         counted = counted.or(round(block).map(|measure| (0, measure)));
         if let Some((at, measure @ Measure::Number)) = &mut counted
@@ -256,13 +249,13 @@ pub(super) fn by_numbers(
 
 /// Where no other column is one of errors, a standard error that falls, or grows, in each row is.
 pub(super) fn by_deviation(block: &Block, roles: &mut [Role], notes: &mut Vec<String>) {
-    let measures =
-        |role: &Role| matches!(role, Role::Error | Role::Value | Role::Wide | Role::Norm);
-    let deviation = |at: &usize| is_standard_error(&block.names[*at]);
-    let mut places = (0..roles.len()).filter(deviation);
-    let others = || (0..roles.len()).filter(|at| !deviation(at) && measures(&roles[*at])).count();
-    let (Some(at), None, 0) = (places.next(), places.next(), others()) else { return };
-    if [true, false].into_iter().any(|forward| fall(&block.rows, at, forward).is_some()) {
+    let names = ["stderr", "stderror", "standarderror", "se", "sem"];
+    let deviation = |at: &usize| names.contains(&&*normal(&block.names[*at]));
+    let measure = |at| matches!(roles[at], Role::Error | Role::Value | Role::Wide | Role::Norm);
+    let mut places = (0..roles.len()).filter(|at| deviation(at) || measure(*at));
+    let (Some(at), None) = (places.next(), places.next()) else { return };
+    let falls = |forward| fall(&block.rows, at, forward).is_some();
+    if deviation(&at) && (falls(true) || falls(false)) {
         roles[at] = Role::Error;
         notes.push(format!("`{}` taken for the error: no other column is one", block.names[at]));
     }
@@ -270,10 +263,7 @@ pub(super) fn by_deviation(block: &Block, roles: &mut [Role], notes: &mut Vec<St
 
 /// Columns without a known name that fall like powers of the size are errors.
 pub(super) fn by_powers(block: &Block, named: bool, roles: &mut [Role], notes: &mut Vec<String>) {
-    let size = |role: &Role| match *role {
-        Role::Space(measure) | Role::Time(measure) => Some(measure),
-        _ => None,
-    };
+    let size = |role: &Role| role.size().map(|(measure, _)| measure);
     let numeric = |at: usize| block.rows.iter().any(|row| value(row, at).is_some());
     let sized = roles.iter().enumerate().filter(|(at, _)| numeric(*at));
     let Some((at, measure)) = sized.into_iter().find_map(|(at, role)| Some((at, size(role)?)))
@@ -358,7 +348,8 @@ pub(super) fn confirm(
     let alone = only(block, roles).is_some_and(|(of, _)| of == at);
     let mut falls = errors.map(|of| alone || fall(&block.rows, of, forward).is_some());
     if falls.next() == Some(true) && falls.all(|falls| falls) {
-        notes.insert(0, format!("`{}` taken for a size by its numbers", block.names[at]));
+        let name = Some(&*block.names[at]).filter(|name| !name.is_empty()).unwrap_or(FIRST);
+        notes.insert(0, format!("`{name}` taken for a size by its numbers"));
     } else {
         roles[at] = Role::Unknown;
     }

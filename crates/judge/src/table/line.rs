@@ -55,32 +55,16 @@ impl Block {
             return self;
         }
         // One name above words and meshes is that of the meshes.
-        let meshes =
-            || sides(self.rows.iter().map(|row| row.cells.get(1).map_or("", String::as_str)));
+        let cells =
+            |at| self.rows.iter().map(move |row| row.cells.get(at).map_or("", String::as_str));
         if self.names.len() > 2
             && self.names[1].is_empty()
             && is_size(&self.names[0])
-            && self.rows.iter().all(|row| row.cells.first().is_some_and(|cell| is_word(cell)))
-            && meshes().is_some()
+            && cells(0).all(|cell| number(cell).is_none())
+            && sides(cells(1)).is_some()
         {
             self.names[1] = self.names[0].clone();
             self.names[0] += " (words)";
-        }
-        // What grows in a first column without a name counts, unless it counts the rows.
-        let first = |row: &Cells| number(row.cells.first()?).map(|number| number.value);
-        let firsts = self.rows.iter().map(first).collect::<Option<Vec<f64>>>();
-        let steps = |firsts: &[f64]| -> Vec<f64> {
-            firsts.windows(2).map(|pair| pair[1] - pair[0]).collect()
-        };
-        if self.names.len() > 1
-            && self.names[0].is_empty()
-            && firsts.as_deref().map(steps).is_some_and(|steps| {
-                steps.len() > 2
-                    && steps.iter().all(|step| *step > 0.0)
-                    && steps[0] != steps[steps.len() - 1]
-            })
-        {
-            self.names[0] = "first column".into();
         }
         for at in (0..self.names.len()).rev() {
             // `50/9` unknowns are those of two fields.
@@ -580,18 +564,9 @@ fn typed(line: &str) -> String {
 
 pub(super) fn is_rule(text: &str) -> bool {
     let drawn = |c: char| "-+|=:_#*~. \t".contains(c) || ('\u{2500}'..='\u{257f}').contains(&c);
-    let latex = [
-        "\\begin",
-        "\\end",
-        "\\hline",
-        "\\toprule",
-        "\\midrule",
-        "\\bottomrule",
-        "\\cline",
-        "\\cmidrule",
-    ];
+    let latex = "\\begin \\end \\hline \\toprule \\midrule \\bottomrule \\cline \\cmidrule";
     let text = text.trim();
-    let bare = latex.iter().any(|rule| text.starts_with(rule)) && !text.contains('&');
+    let bare = latex.split(' ').any(|rule| text.starts_with(rule)) && !text.contains('&');
     bare || text.chars().all(drawn) && text.chars().filter(|&c| !" \t".contains(c)).count() > 2
 }
 
@@ -608,8 +583,7 @@ fn cut(text: &str, separator: Separator) -> Vec<String> {
             cells.map(|cell| owned(&cell.replace(['$', '~'], ""))).collect()
         }
         Separator::Pipe => {
-            let text = quoted_bars(&text.trim().replace("\\|", ESCAPED));
-            let text = text.as_str();
+            let text = &*text.trim().replace("\\|", ESCAPED);
             let inner = text.strip_prefix(BARS);
             let inner = inner.map_or(text, |inner| inner.strip_suffix(BARS).unwrap_or(inner));
             inner.split(BARS).map(|cell| owned(&cell.replace(ESCAPED, "\\|"))).collect()
@@ -653,22 +627,6 @@ fn cut(text: &str, separator: Separator) -> Vec<String> {
             cells
         }
     }
-}
-
-/// A bar between backticks or dollars is no end of a cell.
-fn quoted_bars(text: &str) -> String {
-    let mut out = text.to_owned();
-    for mark in ['`', '$'] {
-        let inside = |(at, part): (usize, &str)| match at % 2 {
-            1 => part.replace('|', ESCAPED),
-            _ => part.to_owned(),
-        };
-        if out.matches(mark).count() % 2 == 0 {
-            let parts: Vec<String> = out.split(mark).enumerate().map(inside).collect();
-            out = parts.join(&mark.to_string());
-        }
-    }
-    out
 }
 
 /// A cell of LaTeX that spans columns is followed by empty ones.

@@ -171,10 +171,6 @@ impl<'a> Scan<'a> {
                 list => {
                     if let Some(list) = list {
                         list.followed = word.contains(char::is_alphabetic);
-                        // `8, 16, 32 cells`.
-                        if !list.assigned && list.cells.len() > 2 && is_size(word) {
-                            (list.name, list.assigned) = (word.to_owned(), true);
-                        }
                     }
                     self.close();
                     // `np.array(` is no name.

@@ -51,10 +51,7 @@ fn pairs(line: &str) -> Vec<(String, String)> {
     // `122 elements` has its name behind.
     let count = |word: Option<&&str>| {
         let word = word.map(|word| word.trim_matches(['(', ')', '.']));
-        let counts = |word: &&str| match role(word) {
-            Role::Space(measure) | Role::Time(measure) => measure != Measure::Length,
-            _ => false,
-        };
+        let counts = |word: &&str| role(word).size().is_some_and(|(of, _)| of != Measure::Length);
         word.filter(|word| word.len() > 2).filter(counts).map(str::to_owned)
     };
     // `L2 error with N = 16: 0.05` is a size, and an error before and behind it.

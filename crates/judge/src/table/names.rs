@@ -123,15 +123,6 @@ pub(super) fn head(
     };
     let last = if separator == Separator::Blanks { rows.len() - 1 } else { 0 };
     fill_rates(&mut rows, &names, last);
-    let mut names = names;
-    if texts.get(1).is_some_and(|line| is_rate(line.text)) {
-        // `L1 Linf L1 Linf` below `errors` and `orders`.
-        for at in (1..width).rev() {
-            if is_norm(&names[at]) && names[..at].contains(&names[at]) {
-                names[at] += " order";
-            }
-        }
-    }
     block(names, title(1), rows, left_out)
 }
 

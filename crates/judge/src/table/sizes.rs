@@ -146,10 +146,8 @@ impl Reader<'_> {
     pub(super) fn size(&mut self, time: bool) -> Result<Option<Size>, TableError> {
         let (mut found, mut refused) = (Vec::new(), Vec::new());
         for at in 0..self.roles.len() {
-            let measure = match (self.roles[at], time) {
-                (Role::Space(measure), false) | (Role::Time(measure), true) => measure,
-                _ => continue,
-            };
+            let own = self.roles[at].size().filter(|(_, in_time)| *in_time == time);
+            let Some((measure, _)) = own else { continue };
             let open = match measure {
                 Measure::Cells | Measure::Unknowns => !self.has_sides(at),
                 // Beside cells `n` may be a counter, as in `n cells`: the dimension decides, or cells that are its power.
@@ -207,8 +205,6 @@ impl Reader<'_> {
         let falls = time.steps.windows(2).filter(|pair| pair[1] < pair[0]).count();
         let stays = time.steps.windows(2).filter(|pair| pair[1] == pair[0]).count();
         if refined && falls > 0 && stays > 0 && falls + stays + 1 == time.steps.len() {
-            let name = self.name(time.at).to_owned();
-            self.notes.push(format!("`{name}` goes along and does not fall in each row"));
             self.left_out.push(time.at);
             sizes[1] = None;
         }
@@ -254,7 +250,8 @@ impl Reader<'_> {
             let grows = distinct.len() > 1 && distinct[1] > distinct[0];
             let degree = time && name == "k" && whole && grows;
             // `eps` of 1/N says that `N` counts.
-            let inverse = (0..self.roles.len()).any(|of| self.is_inverse(size.at, of));
+            let inverse = (0..self.roles.len())
+                .any(|of| self.roles[of] == Role::Unknown && self.is_inverse(size.at, of));
             match ((counts || degree) && !inverse, other) {
                 (true, true) => {
                     self.roles[size.at] = Role::Parameter;
@@ -276,24 +273,22 @@ impl Reader<'_> {
         Ok(())
     }
 
-    /// Whether two columns are inverse to one another.
+    /// The numbers of two columns, row by row.
+    fn pairs(&self, one: usize, other: usize) -> Option<Vec<(f64, f64)>> {
+        let (one, other) = (self.column(one, true).ok()?, self.column(other, true).ok()?);
+        one.into_iter().zip(other).map(|(one, other)| one.zip(other)).collect()
+    }
+
+    /// Whether the numbers of two columns have one product.
     fn is_inverse(&self, one: usize, other: usize) -> bool {
-        let (Ok(a), Ok(b)) = (self.column(one, false), self.column(other, false)) else {
-            return false;
-        };
-        let products: Vec<f64> =
-            a.iter().zip(&b).filter_map(|(a, b)| Some((*a)? * (*b)?)).collect();
-        products.len() == a.len() && products.iter().all(|p| (p / products[0] - 1.0).abs() < 1e-3)
+        let off = |a: (f64, f64), b: (f64, f64)| (a.0 * a.1 / (b.0 * b.1) - 1.0).abs();
+        self.pairs(one, other).is_some_and(|all| all.iter().all(|pair| off(*pair, all[0]) < 1e-3))
     }
 
     /// Whether cells are as the square or the cube of a number.
     fn is_power(&self, cells: usize, number: usize) -> bool {
-        let (Ok(cells), Ok(sides)) = (self.column(cells, true), self.column(number, true)) else {
-            return false;
-        };
-        let pairs: Option<Vec<(f64, f64)>> =
-            cells.into_iter().zip(sides).map(|(cells, side)| cells.zip(side)).collect();
-        let Some(pairs) = pairs.filter(|pairs| pairs.len() > 2) else { return false };
+        let pairs = self.pairs(cells, number).filter(|pairs| pairs.len() > 2);
+        let Some(pairs) = pairs else { return false };
         [2, 3].into_iter().any(|power| {
             let each = |&(cells, side): &(f64, f64)| cells / side.powi(power);
             // Counts are whole and exact.
@@ -403,10 +398,9 @@ impl Reader<'_> {
     pub(super) fn no_size(&self) -> String {
         let count = |role: &Role| matches!(role, Role::Space(Measure::Cells | Measure::Unknowns));
         if let Some(at) = self.roles.iter().position(count) {
+            let name = self.name(at);
             return format!(
-                "the mesh is known by `{}` alone: --dimension D says how h follows, h ~ {}^(-1/D)",
-                self.name(at),
-                self.name(at)
+                "the mesh is known by `{name}` alone: --dimension D says how h follows, h ~ {name}^(-1/D)"
             );
         }
         "no column of sizes: --ratio 2 if each row halves the step, or a column h, k, n, level or steps".into()

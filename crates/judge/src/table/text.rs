@@ -232,33 +232,19 @@ fn cut(text: &str, separator: Separator, bare: bool) -> Vec<Block> {
 
 /// Leaves `exact` and `Richardson` out, before or behind the levels.
 fn trim(lines: &[Line], rows: &mut Vec<usize>, left_out: &mut Vec<u64>) {
-    let worded = |&at: &usize| {
-        let first = lines[at].cells.first();
-        first.is_some_and(|cell| {
-            is_word(cell)
-                && (cell == "∞"
-                    || cell.starts_with(char::is_alphabetic)
-                        && cell.chars().filter(|c| c.is_alphabetic()).count() > 2)
-        })
+    let first = |at: &usize| lines[*at].cells.first();
+    let long = |cell: &str| cell.chars().filter(|c| c.is_alphabetic()).count() > 2;
+    let word = |cell: &String| {
+        is_word(cell) && (cell == "∞" || cell.starts_with(char::is_alphabetic) && long(cell))
     };
-    let sizes = |&at: &usize| {
-        let first = lines[at].cells.first();
-        first.is_some_and(|cell| cell.starts_with(|c: char| c.is_ascii_digit()))
-    };
-    if rows.iter().filter(|at| sizes(at)).count() > 1 {
-        let ends = |rows: &[usize]| rows.iter().take_while(|at| worded(at)).count();
-        let front = ends(rows);
-        let behind = ends(&rows.iter().rev().copied().collect::<Vec<_>>());
-        let levels = front..rows.len() - behind;
-        if rows[levels.clone()].iter().all(sizes) {
-            left_out.extend(
-                rows.iter()
-                    .map(|&at| lines[at].number)
-                    .enumerate()
-                    .filter_map(|(at, line)| (!levels.contains(&at)).then_some(line)),
-            );
-            *rows = rows[levels].to_vec();
-        }
+    let worded = |at: &&usize| first(at).is_some_and(word);
+    let sized = |at| first(at).is_some_and(|cell| cell.starts_with(|c: char| c.is_ascii_digit()));
+    let front = rows.iter().take_while(worded).count();
+    let end = rows.len() - rows[front..].iter().rev().take_while(worded).count();
+    if end > front + 1 && rows[front..end].iter().all(sized) {
+        let others = rows[..front].iter().chain(&rows[end..]);
+        left_out.extend(others.map(|&at| lines[at].number));
+        *rows = rows[front..end].to_vec();
     }
 }
 
