@@ -16,9 +16,9 @@ pub(super) fn head(
     let words = |line: &Line| line.names(separator, width);
     // `ans =` above a matrix and `error = 0.1` of a log name no columns.
     let assigns = |line: &Line| {
-        let value = line.text.rsplit_once('=').map(|(_, value)| value.trim());
-        value.is_some_and(|value| {
-            value.split([' ', ',']).all(|word| word.is_empty() || number(word).is_some())
+        line.text.trim().rsplit_once('=').is_some_and(|(name, value)| {
+            (!value.is_empty() || name.split_whitespace().count() < 2)
+                && value.split([' ', ',']).all(|word| word.is_empty() || number(word).is_some())
         })
     };
     // A row with one number, as that of an exact value, below the names of so many columns.
