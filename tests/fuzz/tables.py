@@ -25,7 +25,7 @@ LENGTH = {"h": 0, "hmax": 0, "dx": 0, "meshsize": 0, "k": 1, "dt": 1, "tau": 1, 
 COUNT = {"n": 0, "nx": 0, "ny": 0, "nz": 0, "steps": 1, "nt": 1, "nsteps": 1}
 CELLS = {"cells", "ncells", "elements", "dof", "dofs", "ndofs", "ndof", "ne", "unknowns"}
 LEVEL = {"level", "lvl", "refinement", "refinementlevel"}
-ERRORS = ("err", "l2", "h1", "h2", "linf", "l1", "energy")
+ERRORS = ("err", "l2", "h1", "h2", "linf", "l1", "energy", "max")
 RATES = ("rate", "eoc", "order", "slope", "roc")
 FLOAT = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eEdD][+-]?\d+)?")
 
@@ -129,7 +129,7 @@ def blocks(lines, separator):
             if len(re.findall(r"(?<![\w.])[-+.]?\d", line)) > 1 or kind(line) == "error":
                 raise Unsure(line)
             continue
-        if any(name.count("[") + name.count("(") > name.count("]") + name.count(")") or re.search("norm|[;,&]|^[|]+$", name) for name in names):
+        if any(name.count("[") + name.count("(") > name.count("]") + name.count(")") or re.search("(?i)norm|multicolumn|[;,&]|^[|]+$", name) for name in names):
             raise Unsure(line)
         rows = []
         while at < len(lines):
@@ -169,6 +169,8 @@ def sized(names, rows, asked):
         if any(value is None or not math.isfinite(value) for value in values):
             raise Unsure("a gap among the sizes")
         if plain[at] in LENGTH:
+            if all(value >= 1 and value == int(value) for value in values):
+                raise Unsure("a length that counts")
             steps[LENGTH[plain[at]]] = values
         elif any("%" in row[at] for row in rows):
             raise Unsure("percent of a count")
