@@ -153,15 +153,23 @@ pub(super) fn by_values(block: &Block, roles: &mut [Role], notes: &mut Vec<Strin
         let mut sizes = rows.clone();
         sizes.sort_by(f64::total_cmp);
         sizes.dedup();
-        let (least, whole) = (sizes[0], sizes.iter().all(|size| size.fract() == 0.0));
+        let (least, most) = (sizes[0], sizes[sizes.len() - 1]);
+        let whole = sizes.iter().all(|size| size.fract() == 0.0);
         let even = sizes.windows(3).all(|three| three[2] - three[1] == three[1] - three[0]);
+        // A count from 0 or 1 on beside another size numbers the rows.
+        let numbers_rows = even && least <= 1.0 && most - least + 1.0 == sizes.len() as f64;
+        if measure == Measure::Number && other.is_some() && numbers_rows {
+            roles[at] = Role::Ignored;
+            continue;
+        }
         let geometric = sizes.len() > 2
             && !even
             && factor(&sizes, COUNTS_DIFFER).is_some_and(|factor| factor > 1.2);
         let powers = || (0..roles.len()).any(|of| falls_by_powers_of_two(block, &rows, of));
         let (found, word) = match measure {
-            Measure::Level if geometric && whole && least > 1.0 => (Measure::Number, "a count"),
-            Measure::Number if geometric && sizes[sizes.len() - 1] < 1.0 && other.is_none() => {
+            // There are 2, 4, 8 levels, but not sixteen.
+            Measure::Level if geometric && whole && most >= 16.0 => (Measure::Number, "a count"),
+            Measure::Number if geometric && most < 1.0 && other.is_none() => {
                 (Measure::Length, "a step")
             }
             Measure::Length if time && other.is_none() && whole && even && powers() => {

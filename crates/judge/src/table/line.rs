@@ -226,9 +226,8 @@ impl Block {
         let one = firsts.get(1).copied().filter(alike);
         let one = one.filter(|one| *one > 1 && width.is_multiple_of(*one));
         let whole = self.rows.iter().all(|row| row.cells.len() == width);
-        let Some(one) = one.filter(|_| whole && is_size_of(&self.names).is_some()) else {
-            return vec![self];
-        };
+        let sized = |one: &usize| self.names.chunks(*one).all(|part| is_size_of(part).is_some());
+        let Some(one) = one.filter(|one| whole && sized(one)) else { return vec![self] };
         let size = is_size_of(&self.names[..one]).unwrap_or(0);
         let differ =
             |row: &Cells| (size..width).step_by(one).any(|at| row.cells[at] != row.cells[size]);
