@@ -20,7 +20,7 @@ pub(super) const PIECE: usize = 12;
 /// arrow, and an interval beyond it the number.
 const RANGE: (f64, f64) = (-1.25, 1.0);
 /// Labelled ticks.
-const TICKS: [(f64, &str); 5] = [(-1.0, "−1"), (-0.5, "−½"), (0.0, "0"), (0.5, "+½"), (1.0, "+1")];
+const TICKS: [(f64, &str); 3] = [(-1.0, "−1"), (0.0, "0"), (1.0, "+1")];
 const POINT: f64 = 6.0;
 
 #[derive(Debug, Clone, PartialEq)]
