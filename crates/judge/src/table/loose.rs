@@ -52,7 +52,9 @@ fn pairs(line: &str) -> Vec<(String, String)> {
     let count = |word: Option<&&str>| {
         let word = word.map(|word| word.trim_matches(['(', ')', '.']));
         let counts = |word: &&str| role(word).size().is_some_and(|(of, _)| of != Measure::Length);
-        word.filter(|word| word.len() > 2).filter(counts).map(str::to_owned)
+        // A number is looked at no further: lines hold many.
+        let named = |word: &&str| word.len() > 2 && word.starts_with(char::is_alphabetic);
+        word.filter(named).filter(counts).map(str::to_owned)
     };
     // `L2 error with N = 16: 0.05` is a size, and an error before and behind it.
     let mut error_of: Option<String> = None;
@@ -100,9 +102,9 @@ fn pairs(line: &str) -> Vec<(String, String)> {
                 name.clear();
             }
             // `13.6% error for df/du`.
-            _ if number(word).is_some()
-                && !is_norm(&named)
-                && words.peek().is_some_and(|next| matches!(*next, "error" | "errors")) =>
+            _ if words.peek().is_some_and(|next| matches!(*next, "error" | "errors"))
+                && number(word).is_some()
+                && !is_norm(&named) =>
             {
                 let of: Vec<&str> =
                     words.clone().take_while(|w| *w != "," && number(w).is_none()).collect();
@@ -110,9 +112,10 @@ fn pairs(line: &str) -> Vec<(String, String)> {
                 found.push((of[..of.len().min(MOST_WORDS)].join(" "), word.to_owned()));
                 name.clear();
             }
+            // A row of numbers names nothing.
             _ if number(word).is_some()
-                && (is_norm(&named)
-                    || is_size(&named)
+                && (!name.iter().all(|word| value(word))
+                    && (is_norm(&named) || is_size(&named))
                     || name.is_empty() && error_of.is_some()) =>
             {
                 let named = error_of.take().filter(|_| name.is_empty()).unwrap_or(named);
