@@ -1,6 +1,8 @@
 //! Tables that stand in no plain rows: records of a log, and columns below a rule.
 
+use std::cell::OnceCell;
 use std::collections::HashMap;
+use std::ops::Deref;
 
 use super::cell::{Measure, Role, is_missing, is_norm, is_size, number, role};
 use super::line::{Block, Cells};
@@ -160,7 +162,7 @@ pub(super) fn tupled(text: &str) -> Vec<Block> {
         alike.then(|| pairs.collect::<String>())
     };
     let lines: Vec<String> = text.lines().map(|line| record(line).unwrap_or_default()).collect();
-    records(&lines.join("\n"), Records::Lines)
+    records(&Text::of(lines.join("\n")), Records::Lines)
 }
 
 fn is_mark(word: &str) -> bool {
@@ -182,6 +184,26 @@ fn split(named: String) -> (String, Option<String>) {
 /// A line, and the names and values from there on.
 type Record = (u64, Vec<(String, String)>);
 
+/// A text with the names and values of its lines, which are looked for when they are first asked for, and once.
+pub(super) struct Text {
+    text: String,
+    paired: OnceCell<Vec<Record>>,
+}
+
+impl Text {
+    pub(super) fn of(text: String) -> Self {
+        Self { text, paired: OnceCell::new() }
+    }
+}
+
+impl Deref for Text {
+    type Target = str;
+
+    fn deref(&self) -> &str {
+        &self.text
+    }
+}
+
 /// Where a record of a log begins.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Records {
@@ -194,26 +216,25 @@ pub(super) enum Records {
 }
 
 /// Records of `name = value`, below each heading of Markdown on their own if there are several.
-pub(super) fn records(text: &str, begins: Records) -> Vec<Block> {
-    let lines: Vec<(u64, &str)> = (1..).zip(text.lines()).collect();
-    let heading = |line: &str| {
-        let parameter =
-            |pairs: &[(String, String)]| pairs.len() == 1 && role(&pairs[0].0) == Role::Parameter;
-        let pairs = pairs(line);
+pub(super) fn records(text: &Text, begins: Records) -> Vec<Block> {
+    let paired = || (1..).zip(text.lines()).map(|(line, text)| (line, pairs(text))).collect();
+    let lines: Vec<(&Record, &str)> =
+        text.paired.get_or_init(paired).iter().zip(text.lines()).collect();
+    let heading = |((_, pairs), line): &(&Record, &str)| {
         line.starts_with('#')
             || line.trim_end().ends_with(':') && pairs.is_empty()
-            || parameter(&pairs)
+            || pairs.len() == 1 && role(&pairs[0].0) == Role::Parameter
     };
-    let below = || lines.chunk_by(|_, (_, next)| !heading(next));
-    let several = lines.iter().skip(1).any(|(_, line)| heading(line));
+    let below = || lines.chunk_by(|_, next| !heading(next));
+    let several = lines.iter().skip(1).any(heading);
     let headed = below().filter(|_| several).filter_map(|lines| {
         let title = lines[0].1.trim().trim_matches(['#', ':']).trim().to_owned();
         records_of(lines, begins).map(|block| Block { title, ..block })
     });
     let headed: Vec<Block> = headed.collect();
     // No level below one of them may be lost.
-    let sized = |lines: &&[(u64, &str)]| {
-        lines.iter().any(|(_, text)| pairs(text).iter().any(|(name, _)| is_size(name)))
+    let sized = |lines: &&[(&Record, &str)]| {
+        lines.iter().any(|((_, pairs), _)| pairs.iter().any(|(name, _)| is_size(name)))
     };
     match headed.len() > 1 && below().filter(sized).count() == headed.len() {
         true => headed,
@@ -248,9 +269,9 @@ fn joined(records: Vec<Record>) -> Vec<Record> {
     joined
 }
 
-fn records_of(lines: &[(u64, &str)], begins: Records) -> Option<Block> {
-    let paired = lines.iter().map(|(line, text)| (*line, pairs(text)));
-    let lines: Vec<Record> = paired.filter(|(_, pairs)| !pairs.is_empty()).collect();
+fn records_of(lines: &[(&Record, &str)], begins: Records) -> Option<Block> {
+    let paired = lines.iter().map(|(record, _)| *record);
+    let lines: Vec<Record> = paired.filter(|(_, pairs)| !pairs.is_empty()).cloned().collect();
     // Names are looked up one by one: a log with more of them is none of a study.
     if lines.iter().map(|(_, pairs)| pairs.len()).sum::<usize>() > MOST_PAIRS {
         return None;

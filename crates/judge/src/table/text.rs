@@ -7,27 +7,27 @@ use super::line::{
     uncommented,
 };
 use super::lists::{lists, sizes};
-use super::loose::{self, Records};
+use super::loose::{self, Records, Text};
 use super::names::head;
 
 /// The ways to cut a text into blocks.
-const WAYS: [fn(&str) -> Vec<Block>; 16] = [
+const WAYS: [fn(&Text) -> Vec<Block>; 16] = [
     |text| lists(text, true),
     |text| blocks(text, Separator::Latex),
     |text| blocks(text, Separator::Pipe),
     |text| blocks(text, Separator::Character('\t')),
     |text| blocks(text, Separator::Character(';')),
     |text| blocks(text, Separator::Character(',')),
-    loose::ruled,
+    |text| loose::ruled(text),
     |text| blocks(text, Separator::Blanks),
-    loose::tupled,
+    |text| loose::tupled(text),
     |text| loose::records(text, Records::Lines),
     |text| loose::records(text, Records::BySize),
     |text| loose::records(text, Records::InTurn),
     |text| lists(text, false),
-    nameless,
-    bracketed,
-    leading,
+    |text| nameless(text),
+    |text| bracketed(text),
+    |text| leading(text),
 ];
 
 /// The blocks by every way to cut the text, each as a list: the first with a table in it is meant. What nothing is found in is
@@ -41,7 +41,7 @@ pub(super) fn readings(text: &str) -> impl Iterator<Item = Vec<Block>> {
     });
     let texts = std::iter::once(text).chain(bare.flatten());
     texts.flat_map(|text| {
-        let sizes = sizes(&text);
+        let (sizes, text) = (sizes(&text), Text::of(text));
         WAYS.iter().map(move |way| {
             let blocks =
                 way(&text).into_iter().map(|block| block.tidied().within()).flat_map(Block::parted);
