@@ -6,10 +6,10 @@ use super::cell::{
     Comma, Measure, Number, Role, is_missing, is_rate, likeness, named, number, role, says_error,
 };
 use super::guess::{
-    FIRST, approach_a_limit, are_orders, by_deviation, by_numbers, by_powers, by_values, confirm,
+    approach_a_limit, are_orders, by_deviation, by_numbers, by_powers, by_values, confirm,
     hardly_changes, is_rounding, of_errors,
 };
-use super::line::{Block, Cells, is_computed, listed};
+use super::line::{Block, Cells, evenly, is_computed, listed};
 use super::{Quantity, Reading, TableError};
 use files::counted;
 
@@ -114,7 +114,7 @@ impl Columns {
             }
             let name = &names[size.at];
             // 1, 2, 3 may be row numbers, levels or degrees.
-            if size.steps.windows(3).all(|three| three[2] - three[1] == three[1] - three[0]) {
+            if evenly(&size.steps) {
                 return fail(format!(
                     "`{name}` is whole and the errors fall where it grows: is it a count? Call it `n` if it counts cells along a side, `steps` if it counts steps"
                 ));
@@ -265,7 +265,7 @@ impl<'a> Reader<'a> {
     }
 
     pub(super) fn name(&self, at: usize) -> &str {
-        Some(&*self.block.names[at]).filter(|name| !name.is_empty()).unwrap_or(FIRST)
+        self.block.name(at)
     }
 
     /// The numbers of a column; `whole` are counts, in which `2,312` can be no fraction.

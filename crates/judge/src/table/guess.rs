@@ -2,7 +2,7 @@
 
 use super::Reading;
 use super::cell::{Measure, Role, is_norm, is_rate, is_residual, is_size, normal, number};
-use super::line::{Block, Cells, is_word, listed};
+use super::line::{Block, Cells, evenly, is_word, listed};
 
 /// Sizes that a person takes for such refine by one factor, as far as they are printed.
 const FACTORS_DIFFER: f64 = 0.005;
@@ -19,7 +19,6 @@ const LEAST_BESIDE: f64 = 1.5;
 /// Names of what has none, with a number.
 const COLUMN: &str = "column";
 const LINE: &str = "line";
-pub(super) const FIRST: &str = "first column";
 const OTHERS: &str = "time cpu wall sec tol eps iter expect predict theor std deviation log memory speed balance change";
 /// Names of what a mesh of an unknown dimension has.
 const OF_MESH: &str = "node vert point count unknown dof";
@@ -67,8 +66,7 @@ fn size(rows: &[Cells], at: usize) -> Option<Measure> {
     // What grows tenfold in all may do so slowly.
     let least = if numbers[numbers.len() - 1] >= 10.0 * numbers[0] { 1.1 } else { 1.2 };
     let grows = |pair: &[f64]| (least..LARGEST_FACTOR).contains(&(pair[1] / pair[0]));
-    let even = numbers.windows(3).all(|all| all[2] - all[1] == all[1] - all[0]);
-    if at == 0 && whole && !even && numbers.windows(2).all(grows) {
+    if at == 0 && whole && !evenly(&numbers) && numbers.windows(2).all(grows) {
         return Some(Measure::Number);
     }
     let factor = factor(&numbers, if whole { 1e-9 } else { FACTORS_DIFFER })?;
@@ -155,7 +153,7 @@ pub(super) fn by_values(block: &Block, roles: &mut [Role], notes: &mut Vec<Strin
         sizes.dedup();
         let (least, most) = (sizes[0], sizes[sizes.len() - 1]);
         let whole = sizes.iter().all(|size| size.fract() == 0.0);
-        let even = sizes.windows(3).all(|three| three[2] - three[1] == three[1] - three[0]);
+        let even = evenly(&sizes);
         // A count from 0 or 1 on beside another size numbers the rows.
         let numbers_rows = even && least <= 1.0 && most - least + 1.0 == sizes.len() as f64;
         if measure == Measure::Number && other.is_some() && numbers_rows {
@@ -356,8 +354,7 @@ pub(super) fn confirm(
     let alone = only(block, roles).is_some_and(|(of, _)| of == at);
     let mut falls = errors.map(|of| alone || fall(&block.rows, of, forward).is_some());
     if falls.next() == Some(true) && falls.all(|falls| falls) {
-        let name = Some(&*block.names[at]).filter(|name| !name.is_empty()).unwrap_or(FIRST);
-        notes.insert(0, format!("`{name}` taken for a size by its numbers"));
+        notes.insert(0, format!("`{}` taken for a size by its numbers", block.name(at)));
     } else {
         roles[at] = Role::Unknown;
     }
@@ -424,24 +421,28 @@ pub(super) fn are_orders(title: &str, entries: &[Option<f64>]) -> bool {
     said && all().count() > 2 && least > 0.2 && most < 15.0 && most < 3.0 * least
 }
 
+/// The least and the largest magnitude.
+fn range(entries: &[f64]) -> (f64, f64) {
+    let sizes = || entries.iter().map(|entry| entry.abs());
+    (sizes().fold(f64::MAX, f64::min), sizes().fold(0.0, f64::max))
+}
+
 /// Whether three numbers and more are within a tenth: an error that is refined twice changes by more.
 pub(super) fn hardly_changes(entries: &[f64]) -> bool {
-    let sizes = || entries.iter().map(|entry| entry.abs());
-    entries.len() > 2 && sizes().fold(0.0, f64::max) < 1.1 * sizes().fold(f64::MAX, f64::min)
+    let (least, most) = range(entries);
+    entries.len() > 2 && most < 1.1 * least
 }
 
 /// Whether numbers are as small as rounding and fall no further.
 pub(super) fn is_rounding(entries: &[f64]) -> bool {
-    let sizes = || entries.iter().map(|entry| entry.abs());
-    let (least, most) = (sizes().fold(f64::MAX, f64::min), sizes().fold(0.0, f64::max));
+    let (least, most) = range(entries);
     most < ROUNDING / 10.0 && most < 10.0 * least
 }
 
 /// Numbers that change in one direction, by less from row to row, and by less than half in all. An error that is refined
 /// twice does so only where it stagnates.
 pub(super) fn approach_a_limit(entries: &[f64]) -> bool {
-    let sizes = || entries.iter().map(|entry| entry.abs());
-    let (least, most) = (sizes().fold(f64::MAX, f64::min), sizes().fold(0.0, f64::max));
+    let (least, most) = range(entries);
     let mut changes: Vec<f64> = entries.windows(2).map(|pair| pair[1] - pair[0]).collect();
     // Rows may go from fine to coarse.
     if changes.len() > 1 && changes[0].abs() < changes[1].abs() {

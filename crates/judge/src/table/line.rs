@@ -38,6 +38,11 @@ pub(super) fn listed(names: impl IntoIterator<Item = impl AsRef<str>>) -> String
 }
 
 impl Block {
+    /// The name of a column, or what one without a name is called.
+    pub(super) fn name(&self, at: usize) -> &str {
+        Some(&*self.names[at]).filter(|name| !name.is_empty()).unwrap_or("first column")
+    }
+
     /// Rows below no title, with nothing between them.
     pub(super) fn of_rows(line: u64, names: Vec<String>, rows: Vec<Cells>) -> Self {
         let (left_out, repeated, notes) = (Vec::new(), Vec::new(), Vec::new());
@@ -173,9 +178,8 @@ impl Block {
             });
             let known = parts[rows[0]].1[place].contains('x') || is_size(name) || towards;
             let grow = sizes.windows(2).all(|pair| pair[1] > pair[0]);
-            let even = sizes.windows(3).all(|all| all[2] - all[1] == all[1] - all[0]);
             let whole = sizes.iter().all(|size| size.fract() == 0.0);
-            (known && grow && !even && whole).then_some(sizes)
+            (known && grow && !evenly(&sizes) && whole).then_some(sizes)
         };
         let mut rows = Vec::new();
         for (words, of) in &groups {
@@ -274,6 +278,11 @@ impl Block {
         let names = columns.iter().map(|(name, _)| name.clone()).collect();
         Self { end, ..Self::of_rows(line, names, rows) }
     }
+}
+
+/// Whether numbers are evenly spaced, as rows, levels and degrees are.
+pub(super) fn evenly(numbers: &[f64]) -> bool {
+    numbers.windows(3).all(|three| three[2] - three[1] == three[1] - three[0])
 }
 
 /// A cell with a mark in place of each number, and these; `P2` and `RK4` are words.
