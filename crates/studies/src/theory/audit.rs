@@ -67,7 +67,7 @@ pub struct AuditConstants {
     pub c_j_squared: f64,
     /// c_ν² of (2.9) with laws of several sides, c_j² where there is one (a length).
     pub c_nu_squared: f64,
-    /// Whether c_j² is proved; otherwise it is extrapolated from meshes, and no bound.
+    /// Whether c_j² is a proved bound.
     pub c_j_source: &'static str,
     /// c0 of (4.16): c̄0 √|Γ3|.
     pub c0: f64,
@@ -163,6 +163,45 @@ pub struct Auditor<'a> {
     claims: Vec<(Claim, f64)>,
 }
 
+/// Integrals over Ω at one level, in the notation of section 4 of the paper.
+#[derive(Default)]
+struct Volume {
+    /// ‖u - u^{kh}‖_V² and ‖u - v^h‖_V² of the projected strains.
+    e: f64,
+    d: f64,
+    /// ⟨Au - Au^{kh}, u - u^{kh}⟩.
+    monotone: f64,
+    phi1: f64,
+    phi2: f64,
+    operator: f64,
+    /// (σ^{kh} - σ, ε(v^h - u^{kh})).
+    tested: f64,
+    /// Parts of ‖S_n u - S_n^{kh} u^{kh}‖_Y² and ‖S_n u - S_n^k u‖_Y² that the memory has.
+    history: f64,
+    truncation: f64,
+    /// ‖σ‖².
+    stress: f64,
+}
+
+/// Integrals over Γ3 at one level.
+#[derive(Default)]
+struct OnContact {
+    /// ‖u_ν - v^h_ν‖² and ‖u_ν - u^{kh}_ν‖².
+    delta: f64,
+    trace: f64,
+    /// ‖u_ν - s‖² and ‖u^{kh}_ν - s‖².
+    arguments: [f64; 2],
+    /// ‖ξ + λ‖².
+    pressure: f64,
+    /// E_j of (4.12) and the form of E_n of (4.5) on Γ3: since λ(u_ν - g) = 0, ∫ j_ν⁰(u_ν; v^h_ν - u_ν) - (ξ + λ)(v^h_ν - u_ν).
+    e_j: f64,
+    e_n: f64,
+    /// ∫ j_ν⁰(u^{kh}_ν; v^h_ν - u^{kh}_ν) - (ξ + λ)(v^h_ν - u^{kh}_ν).
+    at_h: f64,
+    /// ∫ λ(u^{kh}_ν - g)₊ of elements that pass the gap between nodes: a part of E_q.
+    outside: f64,
+}
+
 impl<'a> Auditor<'a> {
     /// An auditor of a run of `setup` on the mesh of `data`, n cells per unit length, with the given number of steps.
     ///
@@ -246,44 +285,43 @@ impl<'a> Auditor<'a> {
         };
         let theta = self.remembering.as_ref().map(|truth| truth.moments(t)).transpose()?;
         let volume = self.volume(&shown, &v, &truth, theta.as_deref(), &by_rule);
-        let [e_h, d_h, monotone, phi1, phi2, operator, tested, history, truncation, stress] =
-            volume;
-        let [history, truncation] =
-            [(history, zeta_h), (truncation, zeta_by_rule)].map(|(square, of_rule)| {
+        let [history, truncation] = [(volume.history, zeta_h), (volume.truncation, zeta_by_rule)]
+            .map(|(square, of_rule)| {
                 square.sqrt() + zeta.map_or(0.0, |zeta| (zeta - of_rule).abs())
             });
         let contact = self.on_contact(&shown, &v)?;
-        let [delta, trace, argument, argument_h, pressure, e_j, e_n, at_h, outside] = contact;
-        let e_q = self.balance(&shown, &v, &load) - tested - at_h + outside;
+        let of_scheme = self.balance(&shown, &v, &load) - volume.tested - contact.at_h;
+        let e_q = of_scheme + contact.outside;
         let errors = step_errors(space, model, &shown, &truth);
         self.errors += errors.v;
-        let (e, d) = (errors.v, (d_h + truth.strain.rest).sqrt());
-        let (e_h, d_h, delta, square) = (e_h.sqrt(), d_h.sqrt(), delta.sqrt(), e_h);
-        let terms = [phi1, phi2, e_j, operator, e_n, e_q];
-        let [u, u_h] = [argument, argument_h].map(f64::sqrt);
+        let (e, d) = (errors.v, (volume.d + truth.strain.rest).sqrt());
+        let (e_h, d_h, delta) = (volume.e.sqrt(), volume.d.sqrt(), contact.delta.sqrt());
+        let terms = [volume.phi1, volume.phi2, contact.e_j, volume.operator, contact.e_n, e_q];
+        let [u, u_h] = contact.arguments.map(f64::sqrt);
         let growth = 2.0 * c.c0 + c.c1 * (u + u_h);
-        let pressures = pressure.sqrt() + c.c0 + c.c1 * u;
+        let pressures = contact.pressure.sqrt() + c.c0 + c.c1 * u;
         let remembered = truncation + c.history * self.grid.largest_step() * self.errors;
-        let bound = c.bound([d, delta], growth, remembered, e_n.abs() + e_q.abs());
+        let bound = c.bound([d, delta], growth, remembered, contact.e_n.abs() + e_q.abs());
         // The terms of nearly incompressible stresses are larger than their sum.
-        let stress = stress.sqrt().max(c.l_a * size);
+        let stress = volume.stress.sqrt().max(c.l_a * size);
+        let square = c.c_j_squared * size.powi(2);
         let energy = stress * size;
         // Left, right, what their terms have in all beside them, and the size of what rounds in them.
         let sides = [
-            [errors.trace.powi(2), c.c_j_squared * e * e, 0.0, c.c_j_squared * size.powi(2)],
-            [c.m_a * square, monotone, 0.0, energy],
+            [errors.trace.powi(2), c.c_j_squared * e * e, 0.0, square],
+            [c.m_a * volume.e, volume.monotone, 0.0, energy],
             [
-                monotone,
+                volume.monotone,
                 terms.iter().sum(),
                 terms.iter().map(|term| term.abs()).sum::<f64>() + stress * (e_h + d_h),
                 energy,
             ],
-            [phi1, (c.alpha_phi * e + c.beta_phi * history) * e_h, stress * e_h, energy],
-            [e_j, growth * delta + c.alpha_j * trace, 0.0, energy],
-            [operator, c.l_a * e_h * d_h, 0.0, energy],
+            [volume.phi1, (c.alpha_phi * e + c.beta_phi * history) * e_h, stress * e_h, energy],
+            [contact.e_j, growth * delta + c.alpha_j * contact.trace, 0.0, energy],
+            [volume.operator, c.l_a * e_h * d_h, 0.0, energy],
             [history, remembered, 0.0, c.history * size * t],
             [e, bound, 0.0, size],
-            [e_n.abs(), pressures * delta, 0.0, energy],
+            [contact.e_n.abs(), pressures * delta, 0.0, energy],
         ];
         let (n, steps) = (Some(space.mesh.n), Some(self.grid.steps() as u32));
         for (statement, [left, right, others, natural]) in STATEMENTS.into_iter().zip(sides) {
@@ -305,10 +343,7 @@ impl<'a> Auditor<'a> {
         self.claims.into_iter().map(within).collect()
     }
 
-    /// Integrals over Ω, in the notation of section 4 of the paper: ‖u - u^{kh}‖_V² and ‖u - v^h‖_V² of the projected strains,
-    /// ⟨Au - Au^{kh}, u - u^{kh}⟩, E_φ1, E_φ2, E_A, (σ^{kh} - σ, ε(v^h - u^{kh})), the parts that the memory has of
-    /// ‖S_n u - S_n^{kh} u^{kh}‖_Y² and ‖S_n u - S_n^k u‖_Y², and ‖σ‖². `theta` has θ as its σ, `by_rule` what the rule remembers
-    /// of ε(u).
+    /// `theta` has θ as its σ, `by_rule` what the rule remembers of ε(u).
     fn volume(
         &self,
         shown: &StepView<'_>,
@@ -316,10 +351,10 @@ impl<'a> Auditor<'a> {
         truth: &Moments,
         theta: Option<&Moments>,
         by_rule: &[Vec<f64>],
-    ) -> [f64; 10] {
+    ) -> Volume {
         let (space, model) = (&*self.data.space, &self.setup.model);
         let (mu, terms) = (self.setup.projection_mu(), &model.memory[..]);
-        let mut sums = [0.0; 10];
+        let mut sums = Volume::default();
         for at in space.points() {
             let elastic = model.elasticity.on(space.region(at.cell));
             let here = |field: &'_ [f64]| -> [f64; 3] { field.as_chunks::<3>().0[at.index] };
@@ -339,49 +374,40 @@ impl<'a> Auditor<'a> {
                     contract(&off, &off)
                 })
             };
-            let parts = [
-                contract(&to_h, &to_h),
-                contract(&to_v, &to_v),
-                contract(&moved, &to_h),
-                contract(&psi, &to_h),
-                -contract(&psi, &to_v),
-                contract(&moved, &to_v),
-                -contract(&apart, &minus(&strain_v, &strain_h)),
-                off(&|i| at.strain(&shown.history[i])),
-                off(&|i| here(&by_rule[i])),
-                contract(&stress, &stress),
-            ];
-            sums.iter_mut().zip(parts).for_each(|(sum, part)| *sum += at.weight * part);
+            sums.e += at.weight * contract(&to_h, &to_h);
+            sums.d += at.weight * contract(&to_v, &to_v);
+            sums.monotone += at.weight * contract(&moved, &to_h);
+            sums.phi1 += at.weight * contract(&psi, &to_h);
+            sums.phi2 -= at.weight * contract(&psi, &to_v);
+            sums.operator += at.weight * contract(&moved, &to_v);
+            sums.tested -= at.weight * contract(&apart, &minus(&strain_v, &strain_h));
+            sums.history += at.weight * off(&|i| at.strain(&shown.history[i]));
+            sums.truncation += at.weight * off(&|i| here(&by_rule[i]));
+            sums.stress += at.weight * contract(&stress, &stress);
         }
         sums
     }
 
-    /// Integrals over Γ3: ‖u_ν - v^h_ν‖², ‖u_ν - u^{kh}_ν‖², ‖u_ν - s‖², ‖u^{kh}_ν - s‖² and ‖ξ + λ‖²; E_j of (4.12) and the form of
-    /// E_n of (4.5) on Γ3, since λ(u_ν - g) = 0, ∫ j_ν⁰(u_ν; v^h_ν - u_ν) - (ξ + λ)(v^h_ν - u_ν); the same at u^{kh}; and
-    /// ∫ λ(u^{kh}_ν - g)₊ of elements that pass the gap between nodes, a part of E_q.
-    ///
-    /// The points are those of the truth, or, where it is an interpolant, the nodes, at which its pressures are.
-    fn on_contact(&self, shown: &StepView<'_>, v: &[f64]) -> Result<[f64; 9], LoadError> {
+    /// At the points of the truth, or, where it is an interpolant, at the nodes, at which its pressures are.
+    fn on_contact(&self, shown: &StepView<'_>, v: &[f64]) -> Result<OnContact, LoadError> {
         let (space, model) = (&*self.data.space, &self.setup.model);
         let (mesh, trace, t) = (&space.mesh, &space.trace, shown.t);
-        let mut sums = [0.0; 9];
+        let mut sums = OnContact::default();
         let mut add = |weight: f64, side: u32, x: [f64; 3], [u, u_h, v, pressure]: [f64; 4]| {
             let Some(boundary) = model.boundary_on(side) else { return };
             let (potential, s) = (boundary.potential_at(x), (boundary.shift)(x));
             let j = |at: f64, w: f64| directional(&potential, at, s, w);
-            let passed = pressure * (u_h - u) - j(u, u_h - u);
-            let parts = [
-                (u - v).powi(2),
-                (u - u_h).powi(2),
-                (u - s).powi(2),
-                (u_h - s).powi(2),
-                pressure.powi(2),
-                j(u, u_h - u) + j(u_h, v - u_h) - j(u, v - u),
-                j(u, v - u) - pressure * (v - u),
-                j(u_h, v - u_h) - pressure * (v - u_h),
-                if space.element == Element::P1 { 0.0 } else { passed.max(0.0) },
-            ];
-            sums.iter_mut().zip(parts).for_each(|(sum, part)| *sum += weight * part);
+            sums.delta += weight * (u - v).powi(2);
+            sums.trace += weight * (u - u_h).powi(2);
+            sums.arguments[0] += weight * (u - s).powi(2);
+            sums.arguments[1] += weight * (u_h - s).powi(2);
+            sums.pressure += weight * pressure.powi(2);
+            sums.e_j += weight * (j(u, u_h - u) + j(u_h, v - u_h) - j(u, v - u));
+            sums.e_n += weight * (j(u, v - u) - pressure * (v - u));
+            sums.at_h += weight * (j(u_h, v - u_h) - pressure * (v - u_h));
+            if space.element != Element::P1 {
+                sums.outside += weight * (pressure * (u_h - u) - j(u, u_h - u)).max(0.0);
+            }
         };
         if model.boundary.is_empty() {
             return Ok(sums);

@@ -146,8 +146,14 @@ fn term(samples: &[Sample]) -> Result<Term, String> {
 // With d dimensions a mesh has h^-d cells, and a factorization by nested dissection takes h^-3(d-1) operations (George
 // 1973). A part comes once a run (mesh, analysis, a factor kept) or once a level (loads, assembly, solves, new factors).
 
-/// A measured run: h, k, CPU seconds.
-pub(super) type CostSample = [f64; 3];
+/// A measured run.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct CostSample {
+    pub h: f64,
+    pub k: f64,
+    /// CPU seconds.
+    pub seconds: f64,
+}
 
 /// Parts: a constant, cells and factorization, each once and each a level.
 const PARTS: usize = 5;
@@ -174,7 +180,7 @@ impl Cost {
         for chosen in 1u32..1 << PARTS {
             let columns: Vec<usize> = (0..PARTS).filter(|i| chosen & (1 << i) != 0).collect();
             let mut design = DMatrix::from_fn(samples.len(), columns.len(), |row, column| {
-                let [h, k, seconds] = samples[row];
+                let CostSample { h, k, seconds } = samples[row];
                 features(dimension, horizon, h, k)[columns[column]] / seconds
             });
             // Columns of size one: a cell of the finest mesh is some 1e-6 of a run.
@@ -193,7 +199,7 @@ impl Cost {
             best = Some((norm, parts));
         }
         let mut found = Self { parts: best?.1, residual: 0.0, dimension, horizon };
-        let off = |&[h, k, seconds]: &CostSample| (found.seconds(h, k) / seconds).ln().abs();
+        let off = |s: &CostSample| (found.seconds(s.h, s.k) / s.seconds).ln().abs();
         found.residual = samples.iter().map(off).fold(0.0, f64::max);
         Some(found)
     }
@@ -300,7 +306,7 @@ mod tests {
             for n in [8, 16, 32, 64] {
                 for steps in [4, 8, 16] {
                     let (h, k) = (1.0 / f64::from(n), 1.0 / f64::from(steps));
-                    found.push([h, k, cost(h, k)]);
+                    found.push(CostSample { h, k, seconds: cost(h, k) });
                 }
             }
             found
@@ -328,7 +334,7 @@ mod tests {
         fn noise_makes_no_negative_part() {
             let mut samples = runs(|h, k| 2e-6 * h.powi(-2) / k);
             for (i, sample) in samples.iter_mut().enumerate() {
-                sample[2] *= if i % 3 == 0 { 1.15 } else { 0.95 };
+                sample.seconds *= if i % 3 == 0 { 1.15 } else { 0.95 };
             }
             let found = Cost::fit(&samples, 2, 1.0).expect("a cost");
             assert!(found.parts.iter().all(|part| *part >= 0.0));

@@ -2,6 +2,7 @@
 //! function of them alone: models of error and cost, the cheapest run with an error, what each change buys.
 
 use super::bench::{Bench, Trial, changes, element_meshes, trade_grid};
+use super::models::CostSample;
 use super::optimum::{Choice, Choices, Law, NoAnswer, Wanted, coupling};
 use super::{Cost, ErrorModel, SPAN};
 use crate::study::StudyError;
@@ -198,7 +199,7 @@ impl Models {
         let done: Vec<&Trial> = of(&change, trials).filter(|trial| trial.converged()).collect();
         let points =
             done.iter().map(|&&Trial { h, k, error, floor, .. }| Point { h, k, error, floor });
-        let samples = done.iter().map(|trial| [trial.h, trial.k, trial.seconds]);
+        let samples = done.iter().map(|&&Trial { h, k, seconds, .. }| CostSample { h, k, seconds });
         let in_time =
             done.iter().filter_map(|trial| Some(Sample { step: trial.k, error: trial.in_time? }));
         let bound = |pick: fn(u32, u32) -> u32| {
