@@ -28,7 +28,7 @@ use serde_json::{Value, json};
 #[command(
     after_help = "The table may be copied from a program's output or from a paper, with prose, log lines and other tables around it. Columns may be separated by \
 comma, semicolon, tab, blanks or |; LaTeX, lines of `name = value`, lists and transposed tables are read too. The last line says what was read \
-and what was left out. Sizes: h, dx or hmax; k, dt or tau; n or N and steps, which are 1/h and 1/k; cells or dofs with --dimension; level, \
+and what was left out. Sizes: h, dx or hmax; k, dt or tau; n or N and steps, which are 1/h and 1/k (11, 21, 41 are points: 1/10, 1/20, 1/40); cells or dofs with --dimension; level, \
 where h = 2^-level; none with --ratio. Errors: error, norms side by side (L2, H1, Linf, energy, error_u, ...), and every column that \
 --p or --q name, each of them judged. Results without an exact value, such as a largest displacement or a force, \
 go into a column named `value`. The \

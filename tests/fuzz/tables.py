@@ -175,7 +175,8 @@ def sized(names, rows, asked):
         elif any("%" in row[at] for row in rows):
             raise Unsure("percent of a count")
         elif plain[at] in COUNT:
-            steps[COUNT[plain[at]]] = [1 / value if value else math.inf for value in values]
+            less = 1 if COUNT[plain[at]] == 0 and are_points(values) else 0
+            steps[COUNT[plain[at]]] = [1 / (value - less) if value else math.inf for value in values]
         elif plain[at] in CELLS:
             steps[0] = [value ** (-1 / asked["dimension"]) if value > 0 else math.inf for value in values]
         else:
@@ -185,6 +186,16 @@ def sized(names, rows, asked):
             raise Unsure("no size")
         steps[asked.get("in_time", False)] = [asked["ratio"] ** -at for at in range(len(rows))]
     return list(zip(*steps))
+
+
+def are_points(numbers):
+    """Whether 11, 21, 41 are one more than 10, 20, 40."""
+    distinct = sorted(set(numbers))
+
+    def geometric(less):
+        return all((b - less) ** 2 == (a - less) * (c - less) for a, b, c in zip(distinct, distinct[1:], distinct[2:]))
+
+    return len(distinct) > 2 and distinct[0] > 2 and geometric(1) and not geometric(0)
 
 
 def second(text, asked):

@@ -109,6 +109,7 @@ impl Columns {
             ));
         }
         for size in sizes.iter_mut().flatten() {
+            reader.count_cells(size);
             if quantity != Quantity::Error || !reader.counts(size, &measured) {
                 continue;
             }

@@ -313,6 +313,29 @@ impl Reader<'_> {
             && measured.iter().all(falls)
     }
 
+    /// Numbers 11, 21, 41 along a side are points if those of the cells between them, 10, 20, 40, grow by one factor and they do not.
+    pub(super) fn count_cells(&mut self, size: &mut Size) {
+        let mut numbers: Vec<f64> = size.steps.iter().map(|step| step.recip().round()).collect();
+        numbers.sort_by(f64::total_cmp);
+        numbers.dedup();
+        let by_one_factor = |less: f64| {
+            let three = |n: &[f64]| (n[1] - less).powi(2) == (n[0] - less) * (n[2] - less);
+            numbers.windows(3).all(three)
+        };
+        let name = self.name(size.at);
+        let of_cells = ["cell", "elem", "interval"].iter().any(|of| normal(name).contains(of));
+        let points = self.roles[size.at] == Role::Space(Measure::Number)
+            && !of_cells
+            && numbers.len() > 2
+            && numbers[0] > 2.0
+            && by_one_factor(1.0)
+            && !by_one_factor(0.0);
+        if points {
+            self.notes.push(format!("`{name}` counts points, one more than cells"));
+            size.steps.iter_mut().for_each(|step| *step = (step.recip() - 1.0).recip());
+        }
+    }
+
     fn has_sides(&self, at: usize) -> bool {
         sides(self.block.rows.iter().map(|row| row.cells[at].as_str())).is_some()
     }
