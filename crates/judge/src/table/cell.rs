@@ -312,8 +312,9 @@ pub(super) fn role(name: &str) -> Role {
         let length = ["m", "km", "cm", "mm"].contains(&unit.trim());
         return if length && role == Role::Space(Measure::Number) { LENGTH } else { role };
     }
-    // `h = 1/N`.
-    if let Some((front, _)) = name.split_once('=')
+    // `h = 1/N`, but not `k = 2`.
+    if let Some((front, value)) = name.split_once('=')
+        && number(value.trim()).is_none()
         && let Some(&role) = KNOWN.get(&*normal(front))
         && role.size().is_some()
     {

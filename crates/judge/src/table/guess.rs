@@ -212,7 +212,8 @@ pub(super) fn by_numbers(
     if roles.iter().all(|role| sized(role).is_none()) && reading.ratio.is_none() && roles.len() > 1
     {
         let open = |at: &usize| unknown(&roles[*at]) && !is_other(&block.names[*at]);
-        let bare = |at: &usize| *at == 0 && block.names[0].is_empty();
+        // A name in another script says nothing.
+        let bare = |at: &usize| *at == 0 && normal(&block.names[0]).is_empty();
         let mut open = (0..roles.len()).filter(|at| open(at) || bare(at));
         counted = open.find_map(|at| size(rows, at).map(|measure| (at, measure)));
         counted = counted.or(round(block).map(|measure| (0, measure)));

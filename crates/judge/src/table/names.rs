@@ -251,8 +251,10 @@ fn is_index(rows: &[Cells]) -> bool {
 
 /// Names that stand twice below `k = 1` and `k = 2`, which span columns: the first of them is of the first.
 fn below_spanning(above: &[String], below: &[String], width: usize) -> Option<Vec<String>> {
-    // What stands above a size spans nothing.
-    let own = |at: usize| above.len() == width && below.get(at).is_some_and(|name| is_size(name));
+    // What stands above a size, or above nothing, spans nothing.
+    let own = |at: usize| {
+        above.len() == width && below.get(at).is_some_and(|name| is_size(name) || name.is_empty())
+    };
     let over = above.iter().enumerate().filter(|(at, n)| !n.is_empty() && !is_size(n) && !own(*at));
     let over: Vec<&String> = over.map(|(_, name)| name).collect();
     let same =
@@ -262,6 +264,7 @@ fn below_spanning(above: &[String], below: &[String], width: usize) -> Option<Ve
     };
     let name = |(at, name): (usize, &String)| match spanned(name) {
         true => format!("{} {name}", over[same(&below[..at], name)]),
+        false if name.is_empty() && own(at) => above[at].clone(),
         false => name.clone(),
     };
     let found = below.len() == width && over.len() > 1 && below.iter().any(spanned);
