@@ -58,6 +58,7 @@ pub(super) fn number(cell: &str) -> Option<Number> {
         text = text.replace(command, "");
     }
     text.retain(|c| !"{}$_'\u{2009}\u{202f}\u{a0}".contains(c));
+    text = text.replace("**", "^");
     for times in ["×10^", "x10^", "*10^"] {
         text = text.replace(times, "e");
     }
@@ -214,10 +215,10 @@ const LONGEST_NAME: usize = 200;
 // Names of columns in normal form, as `normal` gives it.
 const LENGTHS: &str = "h hmax dx deltax meshsize maxh hx cellsize gridspacing spacing meshwidth elementsize panelsize";
 const TIMES: &str = "k dt deltat tau dtau timestep timestepsize stepsize htime";
-const SIDES: &str = "n nx mx nx1 grille gitter maillage cellsperside elementsperside resolution grid mesh numpts npts ngridpoints gridpoints 1h oneoverh 1dx hinv ny nz res intervals";
+const SIDES: &str = "n nx mx nx1 nx2 nx3 grille gitter maillage cellsperside elementsperside resolution grid mesh numpts npts ngridpoints gridpoints 1h oneoverh 1dx hinv ny nz res intervals";
 const STEPS: &str = "steps nsteps nt timesteps numberofsteps 1dt 1k";
 const CELLS: &str = "cells ncells numcells numberofcells activecells nactivecells numberofactivecells cellnumbers \
-    elements nelements numelements numberofelements nel ne nelem triangles elems";
+    elements nelements numelements numberofelements numel nel ne nelem triangles elems";
 const DOFS: &str = "dofs dof ndof ndofs numdofs numberofdofs degreesoffreedom numberofdegreesoffreedom \
     unknowns nodes vertices points";
 const RATES: &str = "rate eoc ooc order reduction slope roc ratio convergence";
@@ -329,7 +330,9 @@ pub(super) fn role(name: &str) -> Role {
             let word = word.replace("normal", "");
             ["err", "norm", "energy", "difference"].iter().any(|part| word.contains(part))
         };
-        words.any(parts) || lower.trim().starts_with("e_") || has("hdiv hcurl")
+        words.any(parts)
+            || lower.trim_start_matches([' ', '{', '$', '`']).starts_with("e_")
+            || has("hdiv hcurl")
     };
     match &*normalised {
         _ if has(RATES) || IGNORED.contains(&*normalised) => Role::Ignored,

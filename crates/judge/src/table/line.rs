@@ -571,7 +571,7 @@ fn typed(line: &str) -> String {
 }
 
 pub(super) fn is_rule(text: &str) -> bool {
-    let drawn = |c: char| "-+|=:_#*~. \t".contains(c) || ('\u{2500}'..='\u{257f}').contains(&c);
+    let drawn = |c: char| "-+|=:_#*~.'\"` \t".contains(c) || ('\u{2500}'..='\u{257f}').contains(&c);
     let latex = "\\begin \\end \\hline \\toprule \\midrule \\bottomrule \\cline \\cmidrule";
     let text = text.trim();
     let bare = latex.split(' ').any(|rule| text.starts_with(rule)) && !text.contains('&');
