@@ -131,6 +131,8 @@ def blocks(lines, separator):
             continue
         if any(name.count("[") + name.count("(") > name.count("]") + name.count(")") or re.search("(?i)norm|multicolumn|[;,&]|^[|]+$", name) for name in names):
             raise Unsure(line)
+        if not all(names[1:]):
+            raise Unsure("a column without a name")
         rows = []
         while at < len(lines):
             cells = cut(lines[at], separator)
@@ -147,6 +149,8 @@ def blocks(lines, separator):
                 break
         if at < len(lines) and FLOAT.fullmatch(lines[at].strip()):
             raise Unsure(lines[at])
+        if separator is None and any(of == "error" and cell in MISSING for of, cell in zip(known, rows[0] if rows else [])):
+            raise Unsure("a name of two words above a rate")
         if rows:
             found.append((names, rows))
     return found
@@ -175,10 +179,12 @@ def sized(names, rows, asked):
         elif any("%" in row[at] for row in rows):
             raise Unsure("percent of a count")
         elif plain[at] in COUNT:
-            less = 1 if COUNT[plain[at]] == 0 and are_points(values) else 0
+            less = beyond_cells(values) if COUNT[plain[at]] == 0 else 0
             steps[COUNT[plain[at]]] = [1 / (value - less) if value else math.inf for value in values]
         elif plain[at] in CELLS:
             steps[0] = [value ** (-1 / asked["dimension"]) if value > 0 else math.inf for value in values]
+        elif len(set(values)) > 3 and geometric(values, 0):
+            raise Unsure("levels 1, 2, 4, 8 may be factors")
         else:
             steps[0] = [asked.get("ratio", 2.0) ** -value for value in values]
     if not places:
@@ -188,14 +194,16 @@ def sized(names, rows, asked):
     return list(zip(*steps))
 
 
-def are_points(numbers):
-    """Whether 11, 21, 41 are one more than 10, 20, 40."""
+def geometric(numbers, more):
     distinct = sorted(set(numbers))
+    return all((b + more) ** 2 == (a + more) * (c + more) for a, b, c in zip(distinct, distinct[1:], distinct[2:]))
 
-    def geometric(less):
-        return all((b - less) ** 2 == (a - less) * (c - less) for a, b, c in zip(distinct, distinct[1:], distinct[2:]))
 
-    return len(distinct) > 2 and distinct[0] > 2 and geometric(1) and not geometric(0)
+def beyond_cells(numbers):
+    """1 where 11, 21, 41 are one more than 10, 20, 40, and -1 where 9, 19, 39 are one less."""
+    if len(set(numbers)) < 3 or min(numbers) <= 2 or geometric(numbers, 0):
+        return 0
+    return 1 if geometric(numbers, -1) else -1 if geometric(numbers, 1) else 0
 
 
 def second(text, asked):

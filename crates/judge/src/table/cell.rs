@@ -47,7 +47,8 @@ pub(super) fn number(cell: &str) -> Option<Number> {
         && command[1..].chars().all(char::is_alphabetic)
         && exponent.trim().parse::<i32>().is_ok()
     {
-        return number(&format!("{}e{}", mantissa.trim(), exponent.trim()));
+        let sign = if command.ends_with("frac") { '/' } else { 'e' };
+        return number(&format!("{}{sign}{}", mantissa.trim(), exponent.trim()));
     }
     text = text
         .replace(['\u{2212}', '–'], "-")
@@ -97,7 +98,10 @@ pub(super) fn number(cell: &str) -> Option<Number> {
         return float(a).zip(float(b)).and_then(|(a, b)| plain(a / b, Comma::None));
     }
     if let Some((a, b)) = text.split_once('^') {
-        return float(a).zip(float(b)).and_then(|(a, b)| plain(a.powf(b), Comma::None));
+        // What stands high behind any other number is a note, or that of the sides of a mesh.
+        let base = |a: f64| if a <= 10.0 { a } else { f64::NAN };
+        let whole = float(a).filter(|a| a.fract() == 0.0 || a.abs() < 10.0 && text.contains('π'));
+        return whole.zip(float(b)).and_then(|(a, b)| plain(base(a).powf(b), Comma::None));
     }
     if text.contains(['x', '×']) {
         // `32x32` are 32 along each side; of `20x40` the other rows say what it is.
@@ -285,7 +289,13 @@ pub(super) fn role(name: &str) -> Role {
     }
     // A unit in brackets is no part of the name.
     let bare = name.split_once(['[', '(']).map_or(name, |(bare, _)| bare);
-    let normalised = if normal(bare).is_empty() { normal(name) } else { normal(bare) };
+    let plain = if normal(bare).is_empty() { name } else { bare };
+    let normalised = normal(plain);
+    // A logarithm of an error is none.
+    let mut words = name.split(|c: char| !c.is_alphanumeric()).map(str::to_lowercase);
+    if words.any(|word| word.starts_with("log") || ["lg", "ln"].contains(&&*word)) {
+        return Role::Unknown;
+    }
     // `max dt` is a time step.
     if let Some((word, rest)) = bare.trim().split_once([' ', '_'])
         && ["max", "min", "mean", "avg"].contains(&word.to_lowercase().as_str())
@@ -311,15 +321,23 @@ pub(super) fn role(name: &str) -> Role {
         let unit =
             name.split_once(['[', '(']).map_or("", |(_, unit)| unit.trim_end_matches([']', ')']));
         let length = ["m", "km", "cm", "mm"].contains(&unit.trim());
-        return if length && role == Role::Space(Measure::Number) { LENGTH } else { role };
+        return match role {
+            Role::Space(Measure::Number) if length => LENGTH,
+            _ => along_a_side(name, role),
+        };
     }
-    // `h = 1/N`, but not `k = 2`.
+    // `h = 1/N`, but not `k = 2`, nor `k = 1 error`.
     if let Some((front, value)) = name.split_once('=')
-        && number(value.trim()).is_none()
         && let Some(&role) = KNOWN.get(&*normal(front))
         && role.size().is_some()
     {
-        return role;
+        match number(value.trim()) {
+            None => return role,
+            Some(_) if value.trim_matches([' ', '$']).parse::<f64>().is_ok() => {
+                return Role::Unknown;
+            }
+            Some(_) => {}
+        }
     }
     let lower = name.to_lowercase().replace('∞', "inf");
     let has = |parts: &str| parts.split(' ').any(|part| normalised.contains(part));
@@ -335,16 +353,11 @@ pub(super) fn role(name: &str) -> Role {
             || has("hdiv hcurl")
     };
     match &*normalised {
-        _ if has(RATES) || IGNORED.contains(&*normalised) => Role::Ignored,
+        _ if is_rate(plain) || IGNORED.contains(&*normalised) => Role::Ignored,
         "" if bars || is_error_elsewhere(name) => Role::Wide,
         "" => Role::Ignored,
-        // A logarithm of an error is none, nor is what theory expects.
-        _ if normalised.starts_with("log")
-            || has("iter expect predict theor std deviation")
-            || is_residual(bare) =>
-        {
-            Role::Unknown
-        }
+        // Nor is what theory expects.
+        _ if has("iter expect predict theor std deviation") || is_residual(bare) => Role::Unknown,
         _ if measures() || NORMS.contains(&*normalised) || bars => Role::Wide,
         _ => {
             let known = |word: &str| {
@@ -355,10 +368,33 @@ pub(super) fn role(name: &str) -> Role {
             let words = |text: &str| text.split(|c: char| !c.is_alphanumeric()).any(known);
             match words(&lower) || known(&normalised) {
                 true => Role::Wide,
-                false => part(bare).unwrap_or(Role::Unknown),
+                // Steps of a solver are no time steps.
+                false if is_solver(&lower) => Role::Ignored,
+                false => part(bare).map_or(Role::Unknown, |role| along_a_side(name, role)),
             }
         }
     }
+}
+
+/// `elements per edge`, `cells in x` and `sqrt(dofs)` are counted along a side.
+fn along_a_side(name: &str, role: Role) -> Role {
+    let side = ["sqrt", "cbrt", "^{1/", "^(1/", "^0.5", " per ", "(per ", "along", " in x"];
+    let lower = name.to_lowercase();
+    match role {
+        Role::Space(Measure::Cells | Measure::Unknowns)
+            if side.iter().any(|s| lower.contains(s)) =>
+        {
+            Role::Space(Measure::Number)
+        }
+        _ => role,
+    }
+}
+
+/// Whether a name or a sentence speaks of what solves an equation.
+pub(super) fn is_solver(text: &str) -> bool {
+    let words = "cg pcg newton gmres bicgstab picard krylov multigrid smoothing smoother converged iterations";
+    let mut said = text.split(|c: char| !c.is_alphanumeric());
+    said.any(|word| words.split(' ').any(|solver| solver.eq_ignore_ascii_case(word)))
 }
 
 /// A name that begins or ends with that of a size: `mesh size h`, `coarse_res`.
@@ -409,9 +445,21 @@ pub(super) fn says_error(name: &str) -> bool {
         || is_error_elsewhere(name)
 }
 
+/// Whether a word of a name is one of rates, as `L2rate` and `eoc2` are; `iterations` and `procs` are none.
 pub(super) fn is_rate(name: &str) -> bool {
-    let normalised = normal(name);
-    RATES.split(' ').any(|rate| normalised.contains(rate))
+    let says = |word: &str| {
+        let bare = word.trim_end_matches(|c: char| c == 's' || c.is_ascii_digit());
+        RATES.split(' ').any(|rate| {
+            let behind = word.strip_prefix(rate).is_some_and(|behind| {
+                behind.len() < 2 || behind.contains(|c: char| c.is_ascii_digit())
+            });
+            let front = bare.strip_suffix(rate).filter(|_| rate.len() > 2);
+            // `integrate` is none.
+            behind || front.is_some_and(|front| front.len() < 5)
+        })
+    };
+    let words = name.split(|c: char| !c.is_alphanumeric()).map(normal);
+    words.chain([normal(name)]).any(|word| says(&word))
 }
 
 /// How well a column answers to a name that a caller gives: 4 for the name itself, 3 but for case and signs, 2 if `L2`

@@ -110,6 +110,16 @@ impl Columns {
         }
         for size in sizes.iter_mut().flatten() {
             reader.count_cells(size);
+            let from_the_finest = size.measure == Measure::Level
+                && size.steps.len() > 2
+                && size.steps.windows(2).all(|pair| pair[1] > pair[0])
+                && measured.iter().all(|m| m.entries.windows(2).all(|pair| pair[1] < pair[0]));
+            if from_the_finest {
+                let name = &names[size.at];
+                return fail(format!(
+                    "the errors fall where the level `{name}` falls: does it count from the finest mesh? Write h, or levels of refinement"
+                ));
+            }
             if quantity != Quantity::Error || !reader.counts(size, &measured) {
                 continue;
             }
@@ -122,6 +132,9 @@ impl Columns {
             }
             reader.notes.push(format!("`{name}` counts: the errors fall where it grows"));
             size.steps.iter_mut().for_each(|step| *step = step.recip());
+        }
+        if let ([Some(size), None] | [None, Some(size)], Quantity::Error) = (&sizes, quantity) {
+            reader.compare_rates(&measured, size);
         }
         if sizes.iter().all(Option::is_none) && reader.ratio.is_none() {
             return fail(reader.no_size());
@@ -188,14 +201,39 @@ impl<'a> Reader<'a> {
                 |from: &usize| matches!(roles[*from], Role::Unknown | Role::Wide | Role::Error);
             let computed =
                 (0..at).rev().filter(open).find(|&from| is_computed(&block.rows, at, from));
-            let named = is_rate(names[at]) && roles[at - 1] == Role::Unknown;
+            let first = &block.rows[0].cells[at];
+            let begins = is_missing(first) || number(first).is_some_and(|n| n.value == 0.0);
+            let sized = |of: usize| roles[of].size().is_some();
+            // Of `N`, `h` and its rate `h` is the height of water.
+            let field = match roles[at - 1] {
+                Role::Space(Measure::Length) | Role::Time(Measure::Length) | Role::Sigma => {
+                    begins && (0..at - 1).any(sized)
+                }
+                Role::Unknown => true,
+                _ => false,
+            };
+            let named = is_rate(names[at]) && field;
             let Some(from) = computed.or(named.then_some(at - 1)) else { continue };
-            if roles[from] == Role::Unknown && reading.errors.is_empty() {
+            if (roles[from] == Role::Unknown || named && from == at - 1 && field)
+                && reading.errors.is_empty()
+            {
                 roles[from] = Role::Wide;
             }
             if computed.is_some()
                 && matches!(roles[at], Role::Unknown | Role::Wide | Role::Parameter)
             {
+                roles[at] = Role::Ignored;
+            }
+        }
+        // `r_{L2}` has no number where the error before it has its first.
+        for at in 1..roles.len() {
+            let missing = |row: &Cells, at: usize| is_missing(&row.cells[at]);
+            let behind = matches!(roles[at - 1], Role::Wide | Role::Error)
+                && !block.rows.iter().any(|row| missing(row, at - 1));
+            let entries = block.rows[1..].iter().map(|row| number(&row.cells[at]));
+            let orders = entries.flatten().filter(|rate| (0.2..15.0).contains(&rate.value)).count();
+            let rates = missing(&block.rows[0], at) && orders > 1 && orders + 1 == block.rows.len();
+            if roles[at] == Role::Wide && behind && rates && reading.errors.is_empty() {
                 roles[at] = Role::Ignored;
             }
         }
@@ -229,6 +267,8 @@ impl<'a> Reader<'a> {
             }
         }
         // A column of words alone tells tables apart, whatever it is called.
+        let sized = |role: &&Role| role.size().is_some();
+        let alone = roles.iter().filter(sized).count() == 1;
         for (at, role) in roles.iter_mut().enumerate() {
             let words =
                 |row: &Cells| is_missing(&row.cells[at]) || number(&row.cells[at]).is_none();
@@ -236,7 +276,11 @@ impl<'a> Reader<'a> {
                 role,
                 Role::Wide | Role::Unknown | Role::Ignored | Role::Space(_) | Role::Time(_)
             );
-            if number_wanted && block.rows.iter().all(words) {
+            // `T/10` is a step that is not read.
+            let step = matches!(role, Role::Space(Measure::Length) | Role::Time(Measure::Length));
+            let digits = |row: &Cells| row.cells[at].contains(|c: char| c.is_ascii_digit());
+            let unread = step && alone && block.rows.iter().any(digits);
+            if number_wanted && !unread && block.rows.iter().all(words) {
                 let any = block.rows.iter().any(|row| !is_missing(&row.cells[at]));
                 *role = if any { Role::Parameter } else { Role::Ignored };
             }
@@ -534,6 +578,17 @@ impl<'a> Reader<'a> {
                 Some((before, row))
             })
         };
+        // Sizes in one direction that turn back are those of several ladders.
+        let turns = |by: &[usize]| {
+            let ([Some(steps), None] | [None, Some(steps)]) = &columns.steps else { return false };
+            let mut ladders: HashMap<Vec<&str>, Vec<f64>> = HashMap::new();
+            for row in (0..rows.len()).filter(|row| !columns.again.contains(row)) {
+                let cells = by.iter().map(|&at| cell(row, at)).collect();
+                ladders.entry(cells).or_default().push(steps[row]);
+            }
+            let back = |three: &[f64]| (three[1] - three[0]) * (three[2] - three[1]) < 0.0;
+            ladders.values().any(|steps| steps.windows(3).any(back))
+        };
         if !columns.runs && again(&by).is_some() {
             let more = candidates.iter().copied().filter(|&at| parts(at) && !by.contains(&at));
             let more: Vec<usize> = more.collect();
@@ -554,6 +609,13 @@ impl<'a> Reader<'a> {
                     return Err(TableError::at(rows[second].line, what));
                 }
             }
+        }
+        if !columns.runs && self.reading.by.is_empty() && turns(&by) {
+            let long = |at: usize| parts(at) && values(at).values().all(|&count| count > 2);
+            let more = candidates.iter().filter(|&&at| long(at) && !by.contains(&at));
+            let mut with = more.map(|&at| [by.clone(), vec![at]].concat());
+            let found = with.find(|by| again(by).is_none() && !turns(by));
+            by = found.unwrap_or(by);
         }
         Ok(by)
     }

@@ -165,8 +165,14 @@ pub(super) fn by_values(block: &Block, roles: &mut [Role], notes: &mut Vec<Strin
             && factor(&sizes, COUNTS_DIFFER).is_some_and(|factor| factor > 1.2);
         let powers = || (0..roles.len()).any(|of| falls_by_powers_of_two(block, &rows, of));
         let (found, word) = match measure {
-            // There are 2, 4, 8 levels, but not sixteen.
-            Measure::Level if geometric && whole && most >= 16.0 => (Measure::Number, "a count"),
+            // There are 2, 4, 8 levels, but not sixteen, nor 1, 2, 4, 8.
+            Measure::Level
+                if geometric
+                    && whole
+                    && (most >= 16.0 || sizes.len() > 3 && factor(&sizes, 1e-9) == Some(2.0)) =>
+            {
+                (Measure::Number, "a count")
+            }
             Measure::Number if geometric && most < 1.0 && other.is_none() => {
                 (Measure::Length, "a step")
             }

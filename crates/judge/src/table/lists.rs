@@ -1,7 +1,7 @@
 //! Lists of numbers behind their names, wherever they stand: in brackets of a script, behind `=` or a colon, in the lines of a table that
 //! lies on its side, or with their name before each number.
 
-use super::cell::{is_missing, is_norm, is_rate, is_size, number};
+use super::cell::{Role, is_missing, is_norm, is_rate, is_size, normal, number, role};
 use super::line::{BARS, Block, is_rule};
 
 /// More lists are those of no study.
@@ -266,7 +266,7 @@ fn singular(name: &str) -> String {
 /// Lists of one length, each with a name of its own, are the columns of a table. Sizes in a line for each level are a list.
 fn tables(text: &str) -> Vec<Vec<List>> {
     let mut lists: Vec<List> = Vec::new();
-    let (mut head, mut end): (Option<List>, u64) = (None, 0);
+    let (mut head, mut end, mut labelled): (Option<List>, u64, bool) = (None, 0, false);
     for mut list in scan(text) {
         // Of `Dict(:l2` the name stands behind the bracket.
         let name = list.name.rsplit_once('(').filter(|(_, inner)| !inner.contains(')'));
@@ -279,9 +279,9 @@ fn tables(text: &str) -> Vec<Vec<List>> {
         }
         let followed = list.followed && !list.assigned && list.cells.len() > 1;
         if (list.across || followed) && is_size(&list.name) {
-            (head, end) = (Some(list.clone()), list.end);
+            (head, end, labelled) = (Some(list.clone()), list.end, false);
         } else if let Some(head) = head.as_ref().filter(|_| list.line <= end + 2) {
-            below(head, &mut list);
+            below(head, &mut list, &mut labelled);
             end = list.end;
         }
         let single = list.cells.len() == 1 && list.keys.is_empty();
@@ -324,7 +324,7 @@ fn tables(text: &str) -> Vec<Vec<List>> {
 }
 
 /// A row below sizes: behind its numbers may stand an order, and before them, where the sizes stand across, one more, as in `q = 1`.
-fn below(head: &List, row: &mut List) {
+fn below(head: &List, row: &mut List, labelled: &mut bool) {
     let width = head.cells.len();
     let value = |at: usize| row.cells.get(at).and_then(|cell| number(cell)).map(|n| n.value);
     // An order is larger than the finest error, which stands last where a number is in front.
@@ -335,13 +335,20 @@ fn below(head: &List, row: &mut List) {
     if !head.across {
         return;
     }
+    if row.name.is_empty() && row.cells.len() <= width && *labelled {
+        // Rates below the errors of a label.
+        return;
+    }
+    *labelled = true;
     if row.cells.len() == width + 1 {
         let sign = if row.assigned { " = " } else { "" };
         row.name = [&*row.name, sign, &*row.cells.remove(0)].concat();
     } else if row.assigned {
         return;
     }
-    if !is_norm(&row.name) && !is_rate(&row.name) {
+    let known = !normal(&row.name).is_empty();
+    let other = known && (is_size(&row.name) || role(&row.name) == Role::Ignored);
+    if !is_norm(&row.name) && !other && !row.name.to_lowercase().starts_with("cond") {
         row.name = format!("error of {}", row.name);
     }
     row.assigned = false;

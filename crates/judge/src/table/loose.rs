@@ -4,7 +4,7 @@ use std::cell::OnceCell;
 use std::collections::HashMap;
 use std::ops::Deref;
 
-use super::cell::{Measure, Role, is_missing, is_norm, is_size, number, role};
+use super::cell::{Measure, Role, is_missing, is_norm, is_size, is_solver, number, role};
 use super::line::{Block, Cells};
 
 const MOST_PAIRS: usize = 10_000;
@@ -98,7 +98,11 @@ fn pairs(line: &str) -> Vec<(String, String)> {
                 found.push((BEHIND.into(), word.to_owned()));
             }
             "is" | "was" if error_of.is_some() && name.is_empty() => {}
-            _ if number(word).is_some() && count(words.peek()).is_some() => {
+            _ if number(word).is_some()
+                && count(words.peek()).is_some()
+                && !is_solver(&named)
+                && !name.contains(&"took") =>
+            {
                 found.extend(count(words.peek()).map(|name| (name, word.to_owned())));
                 words.next();
                 name.clear();

@@ -1,6 +1,6 @@
 //! The names of the columns of a block, from the lines above its rows.
 
-use super::cell::{Role, is_missing, is_norm, is_rate, is_size, normal, number, role};
+use super::cell::{Measure, Role, is_missing, is_norm, is_rate, is_size, normal, number, role};
 use super::line::{Block, Cells, Kind, Line, Separator, is_computed, is_title, is_word};
 
 /// The block below `above`, with the names that stand there; no names if there are none that fit.
@@ -13,7 +13,12 @@ pub(super) fn head(
 ) -> Block {
     let (mut texts, types) = nearest(above);
     left_out.extend(types);
-    let words = |line: &Line| line.names(separator, width);
+    let words = |line: &Line| {
+        let mut names = line.names(separator, width);
+        // pandas ends a line that is to go on.
+        names.retain(|name| name != "\\");
+        names
+    };
     // `ans =` above a matrix and `error = 0.1` of a log name no columns.
     let assigns = |line: &Line| {
         line.text.trim().rsplit_once('=').is_some_and(|(name, value)| {
@@ -44,7 +49,7 @@ pub(super) fn head(
     // Names of several words stand two blanks apart.
     let groups = |line: &Line| -> Vec<String> {
         let bare = line.bare().replace('\t', "  ");
-        let names = bare.split("  ").map(|name| name.trim().trim_end_matches([',', ';']));
+        let names = bare.split("  ").map(|name| name.trim().trim_end_matches([',', ';', '\\']));
         names.filter(|name| !name.is_empty()).map(str::to_owned).collect()
     };
     let line = texts.first().map_or(rows[0].line, |line| line.number);
@@ -116,8 +121,19 @@ pub(super) fn head(
         ways.push(words(first).into_iter().filter(|name| !name.is_empty()).collect());
     }
     let unknown = |names: &Vec<String>| names.iter().filter(|n| role(n) == Role::Unknown).count();
+    // The first row has no rate, but an error, and no mesh of no cells.
+    let index = is_index(&rows);
+    let none = |at: usize| {
+        let cell = rows[0].cells.get(at);
+        cell.is_some_and(|cell| is_missing(cell) || number(cell).is_some_and(|n| n.value == 0.0))
+    };
+    let shifted = |names: &Vec<String>| {
+        let level = role(&names[0]) == Role::Space(Measure::Level);
+        let counts = index && is_size(&names[0]) && !level && none(0);
+        rows.len() > 1 && (counts || (0..width).any(|at| is_norm(&names[at]) && none(at)))
+    };
     let fits = ways.iter().filter_map(|names| fitted(names.clone(), width, &rows));
-    let best = fits.min_by_key(|(names, extra)| (unknown(names), *extra));
+    let best = fits.min_by_key(|(names, extra)| (shifted(names), unknown(names), *extra));
     let Some((names, _)) = best else {
         return block(ways.swap_remove(0), title(1), rows, left_out);
     };

@@ -3,7 +3,7 @@
 use super::TableError;
 use super::cell::{Measure, Role, is_missing, is_rate, normal, sides};
 use super::columns::{Measured, Reader, Size};
-use super::line::Cells;
+use super::line::{Cells, evenly};
 use crate::fit::is_step;
 
 /// How far the ratio of two columns of sizes may differ from row to row: printed with two digits, each is off by half
@@ -20,6 +20,8 @@ const FACTORS: [f64; 6] = [2.0, std::f64::consts::SQRT_2, 4.0, 3.0, 10.0, 1.5];
 const RATE_OFF: f64 = 0.08;
 /// Lower rates do not tell the factors apart.
 const LEAST_RATE: f64 = 0.5;
+/// By so much of the larger one a printed rate and that of the sizes differ where they are of different sizes.
+const CONTRADICTS: f64 = 0.3;
 /// Unknowns grow like a power of the cells along a side in the limit: so near to it (as levels) at first, and at last.
 const FIRST_GROWTH: f64 = 0.5;
 const LAST_GROWTH: f64 = 0.15;
@@ -243,7 +245,8 @@ impl Reader<'_> {
             let whole = distinct.iter().all(|value| value.fract() == 0.0);
             let counts = distinct.len() > 2
                 && whole
-                && distinct.windows(2).all(|pair| pair[1] == pair[0] + 1.0);
+                && evenly(&distinct)
+                && (distinct[1] - distinct[0]).abs() == 1.0;
             let other = (0..self.roles.len()).any(|at| {
                 at != size.at && matches!(self.roles[at], Role::Space(_) | Role::Time(_))
             });
@@ -313,27 +316,55 @@ impl Reader<'_> {
             && measured.iter().all(falls)
     }
 
-    /// Numbers 11, 21, 41 along a side are points if those of the cells between them, 10, 20, 40, grow by one factor and they do not.
+    /// Numbers 11, 21, 41 along a side are points, and 9, 19, 39 inner ones, if those of the cells between them, 10, 20, 40, grow by one
+    /// factor and they do not.
     pub(super) fn count_cells(&mut self, size: &mut Size) {
         let mut numbers: Vec<f64> = size.steps.iter().map(|step| step.recip().round()).collect();
         numbers.sort_by(f64::total_cmp);
         numbers.dedup();
-        let by_one_factor = |less: f64| {
-            let three = |n: &[f64]| (n[1] - less).powi(2) == (n[0] - less) * (n[2] - less);
+        let by_one_factor = |more: f64| {
+            let three = |n: &[f64]| (n[1] + more).powi(2) == (n[0] + more) * (n[2] + more);
             numbers.windows(3).all(three)
         };
         let name = self.name(size.at);
         let of_cells = ["cell", "elem", "interval"].iter().any(|of| normal(name).contains(of));
-        let points = self.roles[size.at] == Role::Space(Measure::Number)
+        let counts = self.roles[size.at] == Role::Space(Measure::Number)
             && !of_cells
             && numbers.len() > 2
             && numbers[0] > 2.0
-            && by_one_factor(1.0)
             && !by_one_factor(0.0);
-        if points {
-            self.notes.push(format!("`{name}` counts points, one more than cells"));
-            size.steps.iter_mut().for_each(|step| *step = (step.recip() - 1.0).recip());
+        let points =
+            [(-1.0, "points, one more than cells"), (1.0, "inner points, one less than cells")];
+        if let Some((more, what)) =
+            points.into_iter().find(|(more, _)| counts && by_one_factor(*more))
+        {
+            self.notes.push(format!("`{name}` counts {what}"));
+            size.steps.iter_mut().for_each(|step| *step = (step.recip() + more).recip());
         }
+    }
+
+    /// Says so where all printed rates of an error are others than those by the sizes: they may be rates in something else.
+    pub(super) fn compare_rates(&mut self, measured: &[Measured], size: &Size) {
+        let known = |at: usize| measured.iter().any(|measured| measured.at == at);
+        let said = measured.iter().find_map(|measured| {
+            // Of rates behind several errors each is of one of them.
+            let (rates, pairs) = self.rated(measured)?;
+            let plain =
+                ["ratio", "reduction"].iter().any(|of| normal(self.name(rates)).contains(of));
+            let own =
+                !plain && rates == measured.at + 1 && (measured.at == 0 || !known(measured.at - 1));
+            let steps = |pair: &Rated| size.steps[pair.row - 1] / size.steps[pair.row];
+            let slope = |pair: &Rated| (pair.fall / steps(pair).ln()).abs();
+            let off = |pair: &Rated| {
+                let (by_sizes, rate) = (slope(pair), pair.rate.abs());
+                by_sizes.is_finite() && (by_sizes - rate).abs() > CONTRADICTS * by_sizes.max(rate)
+            };
+            let pair = pairs.last().filter(|_| own && pairs.iter().all(off))?;
+            let [rate, by_sizes] = [pair.rate, slope(pair)].map(|rate| files::digits(rate, 3));
+            let (name, of) = (self.name(rates), self.name(size.at));
+            Some(format!("`{name}` says {rate} where `{of}` gives {by_sizes}"))
+        });
+        self.notes.extend(said);
     }
 
     fn has_sides(&self, at: usize) -> bool {
