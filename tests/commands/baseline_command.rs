@@ -2,17 +2,15 @@
 //! Goal: a repeated run is green; a deviating error, a lost case and a changed scene are not, in every output.
 //! Data: affine and affine-locked; the shipped baseline is read, complete and of the shipped scenes.
 
-use crate::program::{Folder, code, stderr, stdout, sweep};
-use crate::shipped::edited;
+use crate::program::{Folder, code, ends, stderr, stdout, sweep};
+use crate::shipped::{edited, registry};
 
 use judge::verdict::Baseline;
-use scene::Registry;
 
 /// A recorded baseline of two scenes, as text.
 fn recorded(folder: &Folder) -> (String, String) {
     let (file, out) = (folder.argument("baseline.json"), folder.argument("out"));
-    let output = sweep(&["baseline", "affine", "affine-locked", "--file", &file, "--out", &out]);
-    assert_eq!(code(&output), 0, "{}", stderr(&output));
+    let output = ends(0, &["baseline", "affine", "affine-locked", "--file", &file, "--out", &out]);
     let printed = stdout(&output);
     assert!(
         printed.contains("affine: new, 5 cases") && printed.contains("2 scenes, 2 changes"),
@@ -36,7 +34,7 @@ fn gate(folder: &Folder, file: &str, more: &[&str]) -> (i32, String) {
 fn deviations_turn_the_gate_red() {
     let folder = Folder::new("baseline");
     let (file, text) = recorded(&folder);
-    let read = |name: &str| std::fs::read_to_string(folder.at(name)).expect("a file");
+    let read = |name: &str| folder.read(name);
     let (exit, printed) = gate(&folder, &file, &[]);
     assert!(exit == 0 && printed.contains("no deviation"), "{printed}");
     assert!(
@@ -47,12 +45,15 @@ fn deviations_turn_the_gate_red() {
     let (exit, printed) = gate(&folder, &file, &["--steps", "1,4,8,16,32,64"]);
     assert!(exit == 0 && printed.contains("no deviation"), "{printed}");
 
+    let against = |document: &serde_json::Value| {
+        std::fs::write(&file, document.to_string()).expect("the file");
+        gate(&folder, &file, &[])
+    };
     let mut document: serde_json::Value = serde_json::from_str(&text).expect("JSON");
     let recorded =
         document["scenes"]["affine"]["cases"][2]["errors"]["V_max"].as_f64().expect("an error");
     document["scenes"]["affine"]["cases"][2]["errors"]["V_max"] = (recorded / 1.01).into();
-    std::fs::write(&file, document.to_string()).expect("the file");
-    let (exit, printed) = gate(&folder, &file, &[]);
+    let (exit, printed) = against(&document);
     assert_eq!(exit, 1, "{printed}");
     assert!(
         printed.contains("affine, n = 4, steps = 16: V_max") && printed.contains("+1.0 %"),
@@ -70,14 +71,12 @@ fn deviations_turn_the_gate_red() {
     // A case that the scene no longer runs.
     document["scenes"]["affine"]["cases"][2]["errors"]["V_max"] = recorded.into();
     document["scenes"]["affine"]["cases"][2]["steps"] = 17.into();
-    std::fs::write(&file, document.to_string()).expect("the file");
-    let (exit, printed) = gate(&folder, &file, &[]);
+    let (exit, printed) = against(&document);
     assert!(exit == 1 && printed.contains("steps = 17 was not run"), "{printed}");
 
     // A scene file that changed.
     document["scenes"]["affine"]["hash"] = "0000000000000000".into();
-    std::fs::write(&file, document.to_string()).expect("the file");
-    let (exit, printed) = gate(&folder, &file, &[]);
+    let (exit, printed) = against(&document);
     assert!(
         exit == 1 && printed.contains("unresolved: affine: the scene file changed"),
         "{printed}"
@@ -118,7 +117,7 @@ fn the_shipped_baseline_is_of_the_shipped_scenes() {
     let root = std::path::Path::new(env!("CARGO_MANIFEST_DIR"));
     let shipped = Baseline::read(&root.join("reports/baseline.json"));
     let shipped = shipped.unwrap_or_else(|error| panic!("{error}")).expect("reports/baseline.json");
-    let registry = Registry::open(&root.join("manufactured")).unwrap_or_else(|e| panic!("{e}"));
+    let registry = registry();
     let mut scenes = 0;
     for name in registry.names() {
         let scene = registry.load(name).unwrap_or_else(|error| panic!("{error}"));

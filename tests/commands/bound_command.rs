@@ -2,7 +2,10 @@
 //! Goal: the command prints numbers that are known, writes what it says, and refuses what it cannot study.
 //! Data: memory-minus-identity: m0 = 2, |B(0)| = 1, Q-norm 4, so 0.4, 1, 4 and 4, and a factor of k/4.
 
-use crate::program::{Folder, code, json, stderr, stdout, sweep};
+use crate::program::{
+    Folder, code, ends, json, refused, refuses, stderr, stdout, sweep, unwrapped,
+};
+use crate::shipped::{edited, text};
 
 fn near(value: &serde_json::Value, exact: f64) -> bool {
     value.as_f64().is_some_and(|value| (value - exact).abs() < 2e-6 * exact)
@@ -12,18 +15,10 @@ fn near(value: &serde_json::Value, exact: f64) -> bool {
 fn json_and_files_hold_the_known_numbers() {
     let folder = Folder::new("bound");
     let out = folder.argument("out");
-    let output = sweep(&[
-        "bound",
-        "memory-minus-identity",
-        "--n",
-        "4",
-        "--steps",
-        "4",
-        "--json",
-        "--out",
-        &out,
-    ]);
-    assert_eq!(code(&output), 0, "{}", stderr(&output));
+    let output = ends(
+        0,
+        &["bound", "memory-minus-identity", "--n", "4", "--steps", "4", "--json", "--out", &out],
+    );
     let document = json(&output);
     let thresholds = &document["thresholds"];
     for (key, exact) in
@@ -68,8 +63,7 @@ fn json_and_files_hold_the_known_numbers() {
 
 #[test]
 fn text_names_every_threshold() {
-    let output = sweep(&["bound", "memory-minus-identity", "--n", "4"]);
-    assert_eq!(code(&output), 0);
+    let output = ends(0, &["bound", "memory-minus-identity", "--n", "4"]);
     let text = stdout(&output);
     for phrase in ["m_A ", "energy constant, limit", "and every one holds."] {
         assert!(text.contains(phrase), "no `{phrase}` in\n{text}");
@@ -85,8 +79,7 @@ fn text_names_every_threshold() {
 #[test]
 fn what_cannot_be_studied_is_refused() {
     for arguments in [&["bound", "nothing"][..], &["bound", "punch", "--n", "0"], &["bound"]] {
-        let output = sweep(arguments);
-        assert_eq!(code(&output), 2, "{arguments:?}: {}", stderr(&output));
+        let output = ends(2, arguments);
         assert!(stdout(&output).is_empty() && !stderr(&output).contains("panicked"));
     }
 }
@@ -101,7 +94,7 @@ fn without_monotonicity_the_rest_is_still_said() {
         for phrase in ["m_A ", "random starts", "no k: m0 = ", "Does not hold: (2.9)"] {
             assert!(text.contains(phrase), "no `{phrase}` in\n{text}");
         }
-        let unwrapped = text.split_whitespace().collect::<Vec<_>>().join(" ");
+        let unwrapped = unwrapped(&text);
         let reason =
             format!("Nothing is measured: the least m0 = {m0} is not positive, (2.9) is violated");
         assert!(unwrapped.contains(&reason), "{text}");
@@ -110,8 +103,7 @@ fn without_monotonicity_the_rest_is_still_said() {
             "{text}"
         );
         let folder = Folder::new("bound-m0");
-        let output = sweep(&["bound", name, "--json", "--out", &folder.argument("out")]);
-        assert_eq!(code(&output), 1, "{}", stderr(&output));
+        let output = ends(1, &["bound", name, "--json", "--out", &folder.argument("out")]);
         let document = json(&output);
         let thresholds = &document["thresholds"];
         assert!(thresholds["norm_one"].is_null() && thresholds["loss"].is_null(), "{thresholds}");
@@ -130,9 +122,7 @@ fn without_monotonicity_the_rest_is_still_said() {
         assert!((found["value"].as_f64().expect("m0") - m0).abs() < 1e-12, "{found}");
         assert!(folder.names().contains(&"out".to_owned()));
         // Gronwall's lemma divides by m0 as well.
-        let output = sweep(&["gronwall", name]);
-        assert_eq!(code(&output), 2);
-        assert!(stderr(&output).contains("is not positive"), "{}", stderr(&output));
+        refuses(&["gronwall", name], &["is not positive"]);
     }
 }
 
@@ -151,16 +141,10 @@ fn solve_takes_either_solver() {
     assert_eq!(newton["fixed_point_iterations"], 0);
     assert!(lambda["fixed_point_iterations"].as_u64().expect("a count") > 8);
     let folder = Folder::new("solver");
-    let scene = std::fs::read_to_string(
-        std::path::Path::new(env!("CARGO_MANIFEST_DIR"))
-            .join("manufactured/memory-plus-identity.toml"),
-    );
-    let scene = scene.expect("a scene").replace("horizon = 1.0", "horizon = 20.0");
+    let scene = edited(&text("memory-plus-identity"), "horizon = 1.0", "horizon = 20.0");
     let path = folder.file("memory-plus-identity.toml", &scene);
     let long =
         |solver: &str| sweep(&["solve", &path, "--n", "4", "--steps", "4", "--solver", solver]);
     assert_eq!(code(&long("newton")), 0);
-    let refused = long("fixed-point");
-    assert_eq!(code(&refused), 2);
-    assert!(stderr(&refused).contains("does not contract"), "{}", stderr(&refused));
+    refused(&long("fixed-point"), &["does not contract"]);
 }

@@ -4,11 +4,10 @@
 //! Data: manufactured/broken-*.toml, one run of all of them.
 
 use std::collections::BTreeMap;
-use std::path::Path;
 use std::sync::LazyLock;
 
-use crate::program::{Folder, code, stderr, sweep};
-use crate::shipped::{edited, text};
+use crate::program::{Folder, code, refuses, repository, sweep};
+use crate::shipped::{edited, registry, text};
 
 /// Scene, variable, order, and how far the slope of the errors may be from it.
 ///
@@ -52,7 +51,7 @@ static RUN: LazyLock<Run> = LazyLock::new(|| {
     arguments.extend(DERIVED.iter().map(|row| row.0));
     arguments.extend(["--out", &out]);
     let output = sweep(&arguments);
-    let table = std::fs::read_to_string(folder.at("out/cases.csv")).expect("cases.csv");
+    let table = folder.read("out/cases.csv");
     let mut lines = table.lines().map(|line| line.split(',').collect::<Vec<_>>());
     let head = lines.next().expect("a head");
     let column = |name: &str| head.iter().position(|key| *key == name).expect("a column");
@@ -64,8 +63,7 @@ static RUN: LazyLock<Run> = LazyLock::new(|| {
         let error = row[error].parse().expect("an error");
         points.entry(row[scene].to_owned()).or_default().push((step, error));
     }
-    let text = std::fs::read_to_string(folder.at("out/verdict.json")).expect("verdict.json");
-    let document: serde_json::Value = serde_json::from_str(&text).expect("JSON");
+    let document = folder.json("out/verdict.json");
     let observed = document["verdicts"].as_array().expect("verdicts").iter().map(|verdict| {
         let number = |value: &serde_json::Value| value.as_f64().expect("a number");
         let interval = [number(&verdict["interval"][0]), number(&verdict["interval"][1])];
@@ -123,14 +121,9 @@ fn a_wrong_order_is_seen() {
 
 #[test]
 fn every_scene_is_in_the_list_and_states_what_it_breaks() {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("manufactured");
-    let mut names: Vec<String> = std::fs::read_dir(folder)
-        .expect("scenes")
-        .map(|entry| entry.expect("an entry").file_name().to_string_lossy().into_owned())
-        .filter_map(|file| file.strip_suffix(".toml").map(str::to_owned))
-        .filter(|name| name.starts_with("broken-"))
-        .collect();
-    names.sort();
+    let registry = registry();
+    let mut names: Vec<&str> = registry.names().filter(|n| n.starts_with("broken-")).collect();
+    names.sort_unstable();
     let mut listed: Vec<&str> = DERIVED.iter().map(|row| row.0).collect();
     listed.sort_unstable();
     assert_eq!(names, listed);
@@ -173,8 +166,7 @@ fn stale(chapter: &str) -> Vec<String> {
 
 #[test]
 fn the_table_of_the_chapter_is_that_of_a_run() {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("docs/BROKEN-HYPOTHESES.md");
-    let chapter = std::fs::read_to_string(path).expect("the chapter");
+    let chapter = repository("docs/BROKEN-HYPOTHESES.md");
     let found = stale(&chapter);
     assert!(found.is_empty(), "{}", found.join("\n"));
     assert_eq!(stale(&chapter.replace("`broken-kink`", "`kink`")).len(), 1);
@@ -215,12 +207,6 @@ fn what_is_refused() {
         ),
     ];
     for (name, text, words) in cases {
-        let output = sweep(&["check", &folder.file(&format!("{name}.toml"), &text)]);
-        let message = stderr(&output);
-        assert_eq!(code(&output), 2, "{name}: {message}");
-        assert!(
-            message.split_whitespace().collect::<Vec<_>>().join(" ").contains(words),
-            "{name}: {message}"
-        );
+        refuses(&["check", &folder.file(&format!("{name}.toml"), &text)], &[words]);
     }
 }

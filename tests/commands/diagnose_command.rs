@@ -2,13 +2,12 @@
 //! Goal: exit codes, the sentence and the JSON keys, from outside.
 //! Data: affine; affine with an order that no theorem gives; scenes without exact solution.
 
-use crate::program::{Folder, code, json, stderr, stdout, sweep};
+use crate::program::{Folder, ends, json, stderr, stdout};
 use crate::shipped::{edited, text};
 
 #[test]
 fn a_sound_scene_has_nothing_to_diagnose() {
-    let output = sweep(&["diagnose", "affine"]);
-    assert_eq!(code(&output), 0, "{}", stderr(&output));
+    let output = ends(0, &["diagnose", "affine"]);
     let printed = stdout(&output);
     assert!(printed.contains("nothing to diagnose"), "{printed}");
     assert!(!printed.contains("memory alone"), "{printed}");
@@ -16,8 +15,7 @@ fn a_sound_scene_has_nothing_to_diagnose() {
 
 #[test]
 fn always_runs_the_trials() {
-    let output = sweep(&["diagnose", "affine", "--always"]);
-    assert_eq!(code(&output), 0, "{}", stderr(&output));
+    let output = ends(0, &["diagnose", "affine", "--always"]);
     let printed = stdout(&output);
     println!("{printed}");
     for words in
@@ -29,8 +27,7 @@ fn always_runs_the_trials() {
 
 #[test]
 fn json_has_its_keys() {
-    let output = sweep(&["diagnose", "affine", "--always", "--json"]);
-    assert_eq!(code(&output), 0);
+    let output = ends(0, &["diagnose", "affine", "--always", "--json"]);
     let document = json(&output);
     let trials = document["trials"].as_array().expect("trials");
     assert!(trials.len() >= 12);
@@ -56,8 +53,7 @@ fn json_has_its_keys() {
 fn a_wrong_prediction_is_not_among_the_terms() {
     let folder = Folder::new("diagnose");
     let wrong = edited(&text("affine"), "order = 2.0", "order = 3.0");
-    let output = sweep(&["diagnose", &folder.file("affine.toml", &wrong)]);
-    assert_eq!(code(&output), 1, "{}", stderr(&output));
+    let output = ends(1, &["diagnose", &folder.file("affine.toml", &wrong)]);
     let printed = stdout(&output);
     assert!(printed.contains("not among the terms") && !printed.contains("culprit"), "{printed}");
     // The constant of order 2 agrees: the prediction is named, and no trial is needed.
@@ -72,8 +68,7 @@ fn what_has_no_variants_is_refused() {
         ("abstract-smooth", "no terms to remove"),
         ("no-such-scene", "no-such-scene"),
     ] {
-        let output = sweep(&["diagnose", name]);
-        assert_eq!(code(&output), 2, "{name}");
+        let output = ends(2, &["diagnose", name]);
         assert!(stderr(&output).contains(words) && stdout(&output).is_empty(), "{name}");
     }
 }

@@ -7,14 +7,10 @@ use std::path::{Path, PathBuf};
 
 use scene::{Registry, Scene};
 
-use crate::program::{Folder, code, json, stderr, stdout, sweep};
+use crate::program::{Folder, code, ends, json, repository as read, stdout, sweep};
 
 fn root() -> &'static Path {
     Path::new(env!("CARGO_MANIFEST_DIR"))
-}
-
-fn read(file: &str) -> String {
-    std::fs::read_to_string(root().join(file)).unwrap_or_else(|error| panic!("{file}: {error}"))
 }
 
 /// Pages written by a command or a test: their length is that of what they list.
@@ -111,10 +107,8 @@ fn long_the_readme_shows_what_the_main_job_prints() {
         let count = reasons.iter().filter(|why| why.contains(claim)).count();
         format!("{claim}: {count} of {count}; ")
     });
-    let written: serde_json::Value = serde_json::from_str(
-        &std::fs::read_to_string(folder.at("out/verdict.json")).expect("JSON"),
-    )
-    .expect("JSON");
+    let written: serde_json::Value =
+        serde_json::from_str(&folder.read("out/verdict.json")).expect("JSON");
     let least = written["verdicts"]
         .as_array()
         .expect("verdicts")
@@ -191,11 +185,11 @@ fn long_the_gallery_shows_what_its_commands_find() {
     assert_eq!(scenes.len(), 10);
     let folder = Folder::new("gallery");
     let file = folder.argument("verdict.json");
-    let output = sweep(
+    ends(
+        0,
         &[&["gate", "--quiet", "--out", &folder.argument("out"), "--json", &file], &scenes[..]]
             .concat(),
     );
-    assert_eq!(code(&output), 0, "{}", stderr(&output));
     let judged: serde_json::Value =
         serde_json::from_str(&std::fs::read_to_string(&file).expect("a file")).expect("JSON");
     let questions = json(&sweep(&["list", "--json"]));

@@ -4,19 +4,17 @@
 //! Data: the scenes that the tables of both pages name, one run of all of them.
 
 use std::collections::BTreeSet;
-use std::path::Path;
 use std::sync::LazyLock;
 
 use serde_json::Value;
 
-use crate::program::{Folder, code, stderr, sweep};
+use crate::program::{Folder, code, refuses, repository, stderr, sweep};
 use crate::shipped::{edited, text};
 
 const PAGES: [&str; 2] = ["NESTED.md", "SHORT-MEMORY.md"];
 
 fn page(name: &str) -> String {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("docs/estimates").join(name);
-    std::fs::read_to_string(path).expect("a page")
+    repository(&format!("docs/estimates/{name}"))
 }
 
 /// The cells of the rows that begin with a scene.
@@ -39,8 +37,7 @@ static RUN: LazyLock<(i32, Vec<Value>)> = LazyLock::new(|| {
     arguments.extend(scenes);
     arguments.extend(["--out", &out]);
     let output = sweep(&arguments);
-    let text = std::fs::read_to_string(folder.at("out/verdict.json")).expect("verdict.json");
-    let document: Value = serde_json::from_str(&text).expect("JSON");
+    let document = folder.json("out/verdict.json");
     (code(&output), document["verdicts"].as_array().expect("verdicts").clone())
 });
 
@@ -139,11 +136,7 @@ fn broken_hypotheses_and_odd_histories_are_refused() {
             "`kernel` beside `terms`: each term has its own",
         ),
     ] {
-        let output = sweep(&["check", &folder.file(&format!("{name}.toml"), &text)]);
-        let message = stderr(&output);
-        assert_eq!(code(&output), 2, "{name}: {message}");
-        let said = message.split_whitespace().collect::<Vec<_>>().join(" ");
-        assert!(said.contains(words), "{name}: {message}");
+        refuses(&["check", &folder.file(&format!("{name}.toml"), &text)], &[words]);
     }
     // Another program would need two kernels a term.
     let output = sweep(&["verify", "nested-body", "--solver", "true"]);

@@ -3,11 +3,10 @@
 //!   of the page of static contact are those of the baseline.
 //! Data: the cheap scenes of the pages.
 
-use crate::program::{Folder, code, json, stderr, sweep};
+use crate::program::{Folder, code, ends, json, refuses, repository, stderr, sweep};
 
 fn page(name: &str) -> String {
-    let path = format!("{}/docs/estimates/{name}.md", env!("CARGO_MANIFEST_DIR"));
-    std::fs::read_to_string(path).expect("a page")
+    repository(&format!("docs/estimates/{name}.md"))
 }
 
 /// The cells of the row of a scene.
@@ -52,7 +51,7 @@ fn files_and_refusals() {
     let folder = Folder::new("estimators");
     let out = folder.argument("out");
     let arguments = ["estimators", "static-bilateral", "--n", "8,16,32", "--out", &out];
-    assert_eq!(code(&sweep(&arguments)), 0);
+    ends(0, &arguments);
     let claims = std::fs::read_to_string(folder.at("out/static-bilateral-estimators-claims.csv"));
     let claims = claims.expect("the claims");
     for (line, count) in [
@@ -68,15 +67,13 @@ fn files_and_refusals() {
         (&["abstract-smooth"], "an abstract problem has no body"),
         (&["static-bilateral", "--n", "8,16"], "an order needs 3"),
     ] {
-        let output = sweep(&[&["estimators"], arguments].concat());
-        assert!(code(&output) == 2 && stderr(&output).contains(words), "{}", stderr(&output));
+        refuses(&[&["estimators"], arguments].concat(), &[words]);
     }
 }
 
 #[test]
 fn the_errors_of_the_page_of_static_contact_are_those_of_the_baseline() {
-    let path = format!("{}/reports/baseline.json", env!("CARGO_MANIFEST_DIR"));
-    let baseline = std::fs::read_to_string(path).expect("the baseline");
+    let baseline = repository("reports/baseline.json");
     let baseline: serde_json::Value = serde_json::from_str(&baseline).expect("JSON");
     let text = page("STATIC");
     for scene in ["static-bilateral", "static-oblique", "static-rough"] {

@@ -4,9 +4,10 @@
 
 use std::path::Path;
 
-use crate::program::{Folder, code, command, json, stderr, stdout, sweep};
-use judge::record::{CaseRecord, Key, NormError, Status, V_MAX};
-use judge::verdict::{Decision, Prediction, Variable, judge};
+use crate::next_cases::{self, case, predict};
+use crate::program::{Folder, code, command, ends, json, refuses, stderr, stdout, sweep};
+use judge::record::{CaseRecord, V_MAX};
+use judge::verdict::{Decision, Prediction, Variable};
 use serde_json::Value;
 
 /// A row: n and N, of which h = 1/n and k = 1/N, and the error, absent for a missing case.
@@ -154,22 +155,14 @@ fn fixtures() -> Vec<Table> {
     ]
 }
 
-fn record(&(n, steps, error): &Row, floor: f64) -> CaseRecord {
-    CaseRecord {
-        status: Status::Converged,
-        errors: vec![NormError { norm: V_MAX.into(), error, floor: Some(floor) }],
-        ..CaseRecord::without_work("table", Some(n), steps, 1.0 / f64::from(steps))
-    }
-}
-
 fn prediction(variable: Variable, order: f64, order_k: Option<f64>) -> Prediction {
-    Prediction { order_k, why: "(5.26)".into(), ..Prediction::new(V_MAX, variable, order) }
+    Prediction { order_k, ..predict(variable, order) }
 }
 
 fn judged(rows: &[Row], floor: f64, prediction: &Prediction) -> (Decision, String) {
-    let records: Vec<CaseRecord> = rows.iter().map(|row| record(row, floor)).collect();
-    let keys: Vec<Key> = records.iter().map(CaseRecord::key).collect();
-    let verdict = judge("table", &records, &keys, prediction, Decision::Pass);
+    let record = |&(n, steps, error): &Row| case(n, steps, error, floor);
+    let records: Vec<CaseRecord> = rows.iter().map(record).collect();
+    let verdict = next_cases::judged(&records, prediction);
     (verdict.decision, verdict.reason)
 }
 
@@ -630,8 +623,7 @@ fn options_change_what_is_judged() {
         ("--window", "0", "no window"),
     ] {
         let table = folder.file("table.csv", &law);
-        let output = sweep(&["fit", &table, option, value]);
-        assert_eq!((code(&output), stderr(&output).contains(words)), (2, true), "{option}");
+        refuses(&["fit", &table, option, value], &[words]);
     }
 }
 
@@ -734,8 +726,7 @@ fn tables_at_the_edges_get_what_an_analyst_says() {
         (["--floor", "-1"], "no floor"),
     ] {
         let path = folder.file("errors.txt", &against);
-        let refused = sweep(&["fit", &path, options[0], options[1]]);
-        assert!(code(&refused) == 2 && stderr(&refused).contains(what), "{}", stderr(&refused));
+        refuses(&["fit", &path, options[0], options[1]], &[what]);
     }
 }
 
@@ -767,9 +758,8 @@ fn github_is_told_of_tables_and_verdicts() {
 fn records_have_the_interval_of_their_run() {
     let folder = Folder::new("fit-records");
     let (out, grid) = (folder.argument("out"), ["--n", "4", "--steps", "4,8,16,32"]);
-    assert_eq!(code(&sweep(&[&["run", "affine", "--out", &out][..], &grid].concat())), 0);
-    let judged = std::fs::read_to_string(folder.at("out/verdict.json")).expect("verdicts");
-    let judged: Value = serde_json::from_str(&judged).expect("JSON");
+    ends(0, &[&["run", "affine", "--out", &out][..], &grid].concat());
+    let judged = folder.json("out/verdict.json");
     let interval = |path: &str| {
         let rows = json(&sweep(&["fit", path, "--q", "V_max=2", "--json"]));
         let rows = rows.as_array().expect("rows").clone();
@@ -777,7 +767,7 @@ fn records_have_the_interval_of_their_run() {
         rows.iter().find(of).expect("a row")["interval"].clone()
     };
     assert_eq!(interval(&folder.argument("out/cases.csv")), judged["verdicts"][0]["interval"]);
-    let text = std::fs::read_to_string(folder.at("out/cases.csv")).expect("a table");
+    let text = folder.read("out/cases.csv");
     let foreign = folder.file("foreign.csv", &text);
     assert_ne!(interval(&foreign), judged["verdicts"][0]["interval"]);
 }

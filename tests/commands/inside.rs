@@ -9,11 +9,10 @@ use std::process::Output;
 
 use gronwall::shipped::{baseline, scenes};
 use judge::verdict::Baseline;
-use scene::Registry;
 
 use crate::external::answer;
-use crate::program::{Folder, code, command, json, stderr, stdout};
-use crate::shipped::{edited, on_mesh, setup, text};
+use crate::program::{Folder, code, command, json, refused, repository, stderr, stdout};
+use crate::shipped::{edited, on_mesh, registry, setup, text};
 
 /// The program as it runs in a folder that knows nothing of it.
 fn there(folder: &Folder, arguments: &[&str]) -> Output {
@@ -22,8 +21,7 @@ fn there(folder: &Folder, arguments: &[&str]) -> Output {
 
 #[test]
 fn the_scenes_inside_are_those_of_the_folder() {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("manufactured");
-    let (inside, outside) = (scenes(), Registry::open(&folder).expect("scenes"));
+    let (inside, outside) = (scenes(), registry());
     let names: Vec<&str> = inside.names().collect();
     assert_eq!(names, outside.names().collect::<Vec<_>>());
     for name in names {
@@ -57,9 +55,7 @@ fn the_text_of_a_scene_is_its_file() {
         (&["list", "afine", "--text"], "affine"),
         (&["list", "--text"], "SCENE"),
     ] {
-        let output = there(&folder, arguments);
-        assert_eq!(code(&output), 2, "{arguments:?}");
-        assert!(stderr(&output).contains(says), "{arguments:?}: {}", stderr(&output));
+        refused(&there(&folder, arguments), &[says]);
     }
 }
 
@@ -82,9 +78,7 @@ fn a_folder_goes_before_the_scenes_inside() {
     let rows = json(&there(&folder, &["list", "--json"]));
     assert_eq!(file(&rows[0]), "manufactured/affine.toml");
     // An unknown name is looked for there alone.
-    let unknown = there(&folder, &["check", "steady"]);
-    assert_eq!(code(&unknown), 2);
-    assert!(stderr(&unknown).contains("under manufactured"), "{}", stderr(&unknown));
+    refused(&there(&folder, &["check", "steady"]), &["under manufactured"]);
 }
 
 /// The baseline goes with the scenes: one that was recorded here comes first, a wrong one is seen.
@@ -97,7 +91,7 @@ fn scenes_inside_are_compared_with_the_baseline_inside() {
     let output = gate(&[]);
     assert_eq!(code(&output), 0, "{}", stderr(&output));
     let read = || {
-        let text = std::fs::read_to_string(folder.at("gate.json")).expect("JSON");
+        let text = folder.read("gate.json");
         serde_json::from_str::<serde_json::Value>(&text).expect("JSON")["baseline"].clone()
     };
     assert_eq!(read()["scenes"], serde_json::json!(["affine"]), "{}", read());
@@ -117,8 +111,7 @@ fn scenes_inside_are_compared_with_the_baseline_inside() {
 
 /// The commands of the first block of docs/EXTERNAL.md, but for its installation.
 fn three_lines() -> Vec<Vec<String>> {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("docs/EXTERNAL.md");
-    let page = std::fs::read_to_string(path).expect("the page");
+    let page = repository("docs/EXTERNAL.md");
     let block = page.split("```sh\n").nth(1).and_then(|rest| rest.split("```").next());
     let lines: Vec<&str> = block.expect("a block").lines().collect();
     assert_eq!(lines.len(), 3, "{lines:?}");

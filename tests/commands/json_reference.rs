@@ -9,7 +9,7 @@ use std::path::Path;
 use run::external::encode;
 use serde_json::Value;
 
-use crate::program::{Folder, json, stderr, sweep};
+use crate::program::{Folder, json, repository, stderr, sweep};
 
 /// A section of the page, by its heading, and what is run for it; `DIR` is a folder of the test.
 const RUNS: &[(&str, &[&str])] = &[
@@ -168,8 +168,7 @@ fn prepare(folder: &Folder) {
     let row = |h: f64| h_by_k(h, &cell);
     folder.file("grid.csv", &table("h,k,error", &row));
     // A baseline from which every error deviates.
-    let shipped = Path::new(env!("CARGO_MANIFEST_DIR")).join("reports/baseline.json");
-    let shipped = std::fs::read_to_string(shipped).expect("the baseline");
+    let shipped = repository("reports/baseline.json");
     let mut recorded: Value = serde_json::from_str(&shipped).expect("JSON");
     doubled(&mut recorded);
     folder.file("base.json", &recorded.to_string());

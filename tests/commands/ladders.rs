@@ -3,6 +3,7 @@
 //! Data: the catalogue, the long ladders with it. `LADDERS_WRITE=1 cargo test --release --test commands ladders` writes the
 //!   page anew.
 
+use crate::program::{repository, unwrapped};
 use std::path::Path;
 
 use judge::claim::Relation;
@@ -28,11 +29,6 @@ fn refusals(ladder: &Ladder) -> usize {
     ladder.rungs.iter().filter(|rung| matches!(rung.expected, Relation::Refused(_))).count()
 }
 
-fn read(name: &str) -> String {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("docs").join(name);
-    std::fs::read_to_string(path).unwrap_or_else(|error| panic!("docs/{name}: {error}"))
-}
-
 /// What the page of extremes has to say of these ladders.
 fn counts(ladders: &[Ladder]) -> String {
     let rungs: usize = ladders.iter().map(|ladder| ladder.rungs.len()).sum();
@@ -49,7 +45,7 @@ fn the_page_of_ladders_is_the_catalogue() {
         std::fs::write(path, &written).expect("a written page");
     }
     assert!(
-        read("LADDERS.md") == written,
+        repository("docs/LADDERS.md") == written,
         "docs/LADDERS.md is stale: LADDERS_WRITE=1 writes it anew"
     );
     assert!(page(&ladders[1..]) != written, "a ladder that is gone is seen");
@@ -57,8 +53,8 @@ fn the_page_of_ladders_is_the_catalogue() {
 
 #[test]
 fn the_page_of_extremes_counts_the_ladders() {
-    let (ladders, said) = (catalogue(true), read("EXTREMES.md"));
-    let said = said.split_whitespace().collect::<Vec<_>>().join(" ");
+    let (ladders, said) = (catalogue(true), repository("docs/EXTREMES.md"));
+    let said = unwrapped(&said);
     assert!(
         said.contains(&counts(&ladders)),
         "docs/EXTREMES.md does not say: {}",

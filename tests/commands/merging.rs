@@ -7,7 +7,9 @@ use std::path::{Path, PathBuf};
 use std::process::{Output, Stdio};
 use std::time::{Duration, Instant};
 
-use crate::program::{Folder, code, command, json, lasting, stderr, stdout, sweep, timeless};
+use crate::program::{
+    Folder, code, command, ends, json, lasting, refused, stderr, stdout, sweep, timeless,
+};
 use crate::shipped::{edited, text};
 
 /// Names of the files of four scenes; 4 + 4 + 2 + 5 cases.
@@ -47,8 +49,7 @@ impl Many {
         let folder = Folder::new(test);
         let scenes = scenes(&folder);
         let mut many = Self { keys: Vec::new(), folder, scenes };
-        let listed = sweep(&many.run(&["--list-cases"]));
-        assert_eq!(code(&listed), 0, "{}", stderr(&listed));
+        let listed = ends(0, &many.run(&["--list-cases"]));
         many.folder.file("cases.txt", &stdout(&listed));
         many.keys = stdout(&listed).lines().map(str::to_owned).collect();
         assert_eq!(many.keys.len(), 15, "{:?}", many.keys);
@@ -114,15 +115,6 @@ fn altered(table: &Path, begin: &str) -> String {
     text.replacen(row, &fields.join(","), 1)
 }
 
-#[track_caller]
-fn refused(output: &Output, parts: &[&str]) {
-    let said = stderr(output);
-    assert_eq!((code(output), stdout(output).as_str()), (2, ""), "{said}");
-    for part in parts {
-        assert!(said.contains(part), "{part}: {said}");
-    }
-}
-
 #[test]
 fn many_processes_and_one_are_the_same_bit_for_bit() {
     let sweeping = Many::new("many");
@@ -146,8 +138,7 @@ fn many_processes_and_one_are_the_same_bit_for_bit() {
     assert_eq!(failures.as_array().map(Vec::len), Some(2));
     assert!(failures[0]["reason"].as_str().is_some_and(|r| r.contains("not positive definite")));
     // Pages come from the merged records as from any.
-    let report = sweep(&["report", &folder.argument("merged")]);
-    assert_eq!(code(&report), 2, "{}", stderr(&report));
+    ends(2, &["report", &folder.argument("merged")]);
     assert!(folder.at("merged/index.html").is_file());
     assert!(same());
     assert!(!folder.at("merged/index.html").exists(), "the page of other records");
@@ -261,8 +252,7 @@ fn parts_that_do_not_belong_together_are_refused() {
     std::fs::write(&file, &sound).expect("written");
     // A case that is not in the list, of a scene that is.
     let more = sweeping.folder.argument("parts/more");
-    let run = sweep(&["run", &sweeping.scenes[0], "--n", "12", "--out", &more, "--quiet"]);
-    assert_eq!(code(&run), 1, "{}", stderr(&run));
+    ends(1, &["run", &sweeping.scenes[0], "--n", "12", "--out", &more, "--quiet"]);
     refused(&sweeping.merge(&[]), &["signorini:n12:N16 is no case of the list", &more]);
     std::fs::remove_dir_all(&more).expect("removed");
     // Into one of the parts, from nothing, from a directory of something else.
@@ -340,9 +330,8 @@ fn a_killed_part_goes_on() {
     let parts = folder.argument("parts");
     let merge = ["merge", &parts, "--cases", &list, "--out", &folder.argument("merged")];
     // What is there is no sweep yet: cases are missing, or a line is cut off.
-    assert_eq!(code(&sweep(&merge)), 2);
-    let again = sweep(&job);
-    assert_eq!(code(&again), 0, "{}", stderr(&again));
+    ends(2, &merge);
+    let again = ends(0, &job);
     assert!(stderr(&again).contains("already recorded"), "nothing was kept: {}", stderr(&again));
     let merged = sweep(&merge);
     let whole = folder.argument("whole");
@@ -359,8 +348,7 @@ fn a_merge_is_compared_with_a_baseline() {
     let scene = folder.file("renamed.toml", &scene);
     let [file, run, parts, merged] = ["baseline.json", "run", "parts", "merged"];
     let file = folder.argument(file);
-    let output = sweep(&["baseline", &scene, "--file", &file, "--out", &folder.argument(run)]);
-    assert_eq!(code(&output), 0, "{}", stderr(&output));
+    ends(0, &["baseline", &scene, "--file", &file, "--out", &folder.argument(run)]);
     let text = std::fs::read_to_string(&file).expect("a baseline");
     let whole: serde_json::Value = serde_json::from_str(&text).expect("JSON");
     let part = folder.argument(parts);
@@ -374,8 +362,7 @@ fn a_merge_is_compared_with_a_baseline() {
     assert_eq!(code(&sound), 0, "{}", stderr(&sound));
     assert!(stdout(&sound).contains("no deviation"), "{}", stdout(&sound));
     assert_eq!(compared()["scenes"], serde_json::json!(["renamed"]));
-    let gate = sweep(&["gate", &scene, "--baseline", &file, "--out", &folder.argument("gate")]);
-    assert_eq!(code(&gate), 0);
+    ends(0, &["gate", &scene, "--baseline", &file, "--out", &folder.argument("gate")]);
     assert_eq!(compared(), lasting(&folder.at("gate/verdict.json"))["baseline"]);
     let with = |pointer: &str, value: serde_json::Value| {
         let mut other = whole.clone();

@@ -3,7 +3,7 @@
 //!   along the path one line shows both orders, which k = h does not; a path is what its scene says.
 //! Data: tables by hand; viscoelastic on pairs.
 
-use crate::program::{Folder, code, command, json, stderr, stdout, sweep};
+use crate::program::{Folder, code, command, ends, json, refuses, stderr, stdout, sweep};
 use crate::shipped::{edited, text};
 use judge::record::{CaseRecord, Key, NormError, Status, V_MAX};
 use judge::verdict::{
@@ -13,10 +13,11 @@ use judge::verdict::{
 use report::{AnnotationPlace, annotations, step_summary};
 use scene::{Scene, Source};
 
-fn case(n: u32, steps: u32, error: f64, floor: f64) -> CaseRecord {
+/// A case of h = 1/n and k = 1/N, without an error where it is missing.
+pub(crate) fn case(n: u32, steps: u32, error: Option<f64>, floor: f64) -> CaseRecord {
     CaseRecord {
         status: Status::Converged,
-        errors: vec![NormError { norm: V_MAX.into(), error: Some(error), floor: Some(floor) }],
+        errors: vec![NormError { norm: V_MAX.into(), error, floor: Some(floor) }],
         ..CaseRecord::without_work("block", Some(n), steps, 1.0 / f64::from(steps))
     }
 }
@@ -24,16 +25,16 @@ fn case(n: u32, steps: u32, error: f64, floor: f64) -> CaseRecord {
 /// Cases of pairs (n, N) with the error of (h, k).
 fn table(pairs: &[(u32, u32)], floor: f64, error: impl Fn(f64, f64) -> f64) -> Vec<CaseRecord> {
     let one = |&(n, steps): &(u32, u32)| {
-        case(n, steps, error(1.0 / f64::from(n), 1.0 / f64::from(steps)), floor)
+        case(n, steps, Some(error(1.0 / f64::from(n), 1.0 / f64::from(steps))), floor)
     };
     pairs.iter().map(one).collect()
 }
 
-fn predict(variable: Variable, order: f64) -> Prediction {
+pub(crate) fn predict(variable: Variable, order: f64) -> Prediction {
     Prediction { why: "(5.26)".into(), ..Prediction::new(V_MAX, variable, order) }
 }
 
-fn judged(records: &[CaseRecord], prediction: &Prediction) -> Verdict {
+pub(crate) fn judged(records: &[CaseRecord], prediction: &Prediction) -> Verdict {
     let keys: Vec<Key> = records.iter().map(CaseRecord::key).collect();
     judge("block", records, &keys, prediction, Decision::Pass)
 }
@@ -211,14 +212,11 @@ fn a_scene_runs_its_pairs_and_no_grid() {
     let folder = Folder::new("pairs");
     let text = on_pairs("pairs = [[4, 4], [8, 6], [16, 8], [32, 11]]");
     let path = folder.file("viscoelastic.toml", &text);
-    let output = sweep(&["run", &path, "--out", &folder.argument("out")]);
-    assert_eq!(code(&output), 0, "{}{}", stdout(&output), stderr(&output));
+    let output = ends(0, &["run", &path, "--out", &folder.argument("out")]);
     assert!(stdout(&output).contains("path") && stdout(&output).contains("4 cases"));
-    let picture = std::fs::read_to_string(folder.at("out/viscoelastic-h.svg")).expect("a picture");
+    let picture = folder.read("out/viscoelastic-h.svg");
     assert!(picture.contains("N grows with n"), "the curve is that of the path");
-    let refused = sweep(&["run", &path, "--n", "8,16", "--out", &folder.argument("out")]);
-    assert_eq!(code(&refused), 2);
-    assert!(stderr(&refused).contains("path of pairs"), "{}", stderr(&refused));
+    refuses(&["run", &path, "--n", "8,16", "--out", &folder.argument("out")], &["path of pairs"]);
     for (pairs, words) in [
         ("pairs = [[4, 4], [8, 6]]", "an order needs three"),
         ("pairs = [[4, 4], [8, 6], [8, 8]]", "does not refine"),
@@ -239,80 +237,25 @@ fn a_scene_runs_its_pairs_and_no_grid() {
     assert!(error.to_string().contains("a path needs pairs"), "{error}");
 }
 
-/// viscoelastic on two meshes: no order has an interval there.
-fn short(folder: &Folder, n: &str, order: &str) -> String {
-    let scene = edited(&text("viscoelastic"), "n = [8, 16, 32, 64]", n);
-    let scene = edited(&scene, "order = 1.0", order);
-    folder.file("viscoelastic.toml", &edited(&scene, "steps = [16]", "steps = [4]"))
-}
-
 /// The first verdict of a run that is not as expected.
 fn first_open(folder: &Folder, scene: &str) -> serde_json::Value {
-    let output = sweep(&["run", scene, "--json", "--out", &folder.argument("out")]);
-    assert_eq!(code(&output), 1, "{}", stderr(&output));
+    let output = ends(1, &["run", scene, "--json", "--out", &folder.argument("out")]);
     json(&output)["verdicts"][0].clone()
 }
 
 #[test]
 fn the_case_that_an_open_verdict_names_decides_it() {
     let folder = Folder::new("next");
-    let scene = short(&folder, "n = [4, 8]", "order = 1.0");
+    // No order has an interval on two meshes.
+    let scene = edited(&text("viscoelastic"), "n = [8, 16, 32, 64]", "n = [4, 8]");
+    let scene = folder.file("viscoelastic.toml", &edited(&scene, "steps = [16]", "steps = [4]"));
     let open = first_open(&folder, &scene);
     assert_eq!(open["verdict"], "unresolved", "{open:#}");
     let next = &open["next"][0];
     assert_eq!(next["steps"], 4, "{open:#}");
     let n = format!("4,8,{}", next["n"]);
-    let output = sweep(&["run", &scene, "--n", &n, "--json", "--out", &folder.argument("out")]);
-    assert_eq!(code(&output), 0, "{}", stderr(&output));
+    let output = ends(0, &["run", &scene, "--n", &n, "--json", "--out", &folder.argument("out")]);
     assert!(json(&output)["verdicts"][0].get("next").is_none(), "a pass asks for nothing");
-}
-
-/// No finer mesh lowers an order that is settled above its prediction: the way out is another one.
-#[test]
-fn an_order_that_is_settled_too_high_asks_for_no_mesh() {
-    let folder = Folder::new("next-too-high");
-    let open = first_open(&folder, &short(&folder, "n = [8, 16, 32, 64, 128]", "order = 0.25"));
-    assert!(
-        open["reason"].as_str().is_some_and(|r| r.contains("state the higher order")),
-        "{open:#}"
-    );
-    assert_eq!(open["next"].as_array().map_or(0, Vec::len), 0, "{open:#}");
-}
-
-/// An elastic block whose displacement is in V^h: every error is rounding.
-const ROUNDING: &str = r#"
-[scene]
-name = "rounding"
-question = "What is the order of an error that is rounding?"
-dimension = 2
-[domain]
-shape = "rectangle"
-size = [1.0, 1.0]
-clamped = ["top"]
-traction = ["left", "right", "bottom"]
-[time]
-horizon = 1.0
-[material]
-lambda = 1.0
-mu_L = 1.0
-[exact]
-u = ["0.1*t*(1 - y)", "-0.2*t*(1 - y)"]
-[sweep]
-n = [2, 4, 8]
-steps = [2]
-[[predicts]]
-norm = "V_max"
-variable = "h"
-order = 1.0
-why = "(5.26)"
-"#;
-
-#[test]
-fn an_error_at_its_floor_is_left_as_it_is() {
-    let folder = Folder::new("next-floor");
-    let open = first_open(&folder, &folder.file("rounding.toml", ROUNDING));
-    assert!(open["reason"].as_str().is_some_and(|r| r.contains("lower the floor")), "{open:#}");
-    assert_eq!(open["next"].as_array().map_or(0, Vec::len), 0, "{open:#}");
 }
 
 /// f0 grows without bound towards x = 1/3: it is its quadrature that hides the errors, and not the solver.
@@ -331,10 +274,8 @@ fn errors_below_the_floor_of_strong_loads_name_the_load_quadrature() {
     );
     assert!(!reason.contains("solver"), "{reason}");
     // The scene alone knows it: from the records the reason is the same.
-    let report = sweep(&["report", &folder.argument("out")]);
-    assert_eq!(code(&report), 1, "{}", stderr(&report));
-    let document = std::fs::read_to_string(folder.at("out/verdict.json")).expect("a document");
-    let document: serde_json::Value = serde_json::from_str(&document).expect("JSON");
+    ends(1, &["report", &folder.argument("out")]);
+    let document = folder.json("out/verdict.json");
     assert_eq!(document["verdicts"][0]["reason"], found["reason"]);
 }
 
@@ -402,7 +343,7 @@ fn a_gate_annotates_and_appends_to_the_summary() {
         assert!(text.contains("::error file=") && text.contains(&wanted), "{text}");
         assert!(text.contains("::notice title=orders of convergence::0 of 1 verdict as"), "{text}");
     }
-    let text = std::fs::read_to_string(folder.at("summary.md")).expect("the summary");
+    let text = folder.read("summary.md");
     assert!(text.starts_with("before\n### Orders of convergence\n"), "{text}");
     assert_eq!(text.matches("| viscoelastic |").count(), 1, "appended once");
 }

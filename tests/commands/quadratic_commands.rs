@@ -2,23 +2,25 @@
 //! Goal: they take quadratic elements; what an audit cannot have with these is refused at its key, exit code 2.
 //! Data: quadratic-elastic, quadratic-front, quadratic-memory.
 
-use crate::program::{code, json, stderr, sweep};
+use crate::program::{ends, json, refuses};
 
 #[test]
 fn quadratic_elements_go_through_every_study() {
-    let output = sweep(&[
-        "solve",
-        "quadratic-elastic",
-        "--n",
-        "8",
-        "--steps",
-        "4",
-        "--estimate",
-        "--target",
-        "0.5%",
-        "--json",
-    ]);
-    assert_eq!(code(&output), 0, "{}", stderr(&output));
+    let output = ends(
+        0,
+        &[
+            "solve",
+            "quadratic-elastic",
+            "--n",
+            "8",
+            "--steps",
+            "4",
+            "--estimate",
+            "--target",
+            "0.5%",
+            "--json",
+        ],
+    );
     let document = json(&output);
     let space = &document["norms"][0]["space"]["order"];
     let order = space.as_f64().expect("an order");
@@ -32,14 +34,11 @@ fn quadratic_elements_go_through_every_study() {
         &["audit", "quadratic-elastic", "--n", "4,8", "--steps", "2", "--json"][..],
         &["bound", "quadratic-elastic", "--n", "4", "--json"],
     ] {
-        let output = sweep(arguments);
-        assert_eq!(code(&output), 0, "{arguments:?}: {}", stderr(&output));
+        ends(0, arguments);
     }
 }
 
 #[test]
 fn what_is_left_out_is_refused_with_its_reason() {
-    let output = sweep(&["audit", "quadratic-memory"]);
-    assert_eq!(code(&output), 2);
-    assert!(stderr(&output).contains("trapezoidal rule alone"), "{}", stderr(&output));
+    refuses(&["audit", "quadratic-memory"], &["trapezoidal rule alone"]);
 }

@@ -3,10 +3,7 @@
 //!   is there. No container was ever built here: its text is what can be checked.
 //! Data: manifests, the action, files for CI, CHANGELOG.md, docs/ci/Dockerfile.
 
-fn read(path: &str) -> String {
-    let root = std::path::Path::new(env!("CARGO_MANIFEST_DIR"));
-    std::fs::read_to_string(root.join(path)).unwrap_or_else(|error| panic!("{path}: {error}"))
-}
+use crate::program::repository as read;
 
 /// What follows `before` in the lines that begin with it, up to a character that no version has.
 fn after<'a>(text: &'a str, before: &str) -> Vec<&'a str> {

@@ -3,6 +3,7 @@
 //! Data: the parser's answer to a key that it does not know, part by part; shipped scenes, into which each example is put;
 //!   a page without a key, without a part, and with a wrong example.
 
+use crate::program::repository;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
@@ -75,8 +76,7 @@ fn keys_of(page: &str) -> Parts {
 }
 
 fn page() -> String {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("docs/SCENE-FILES.md");
-    std::fs::read_to_string(path).expect("the page")
+    repository("docs/SCENE-FILES.md")
 }
 
 #[test]

@@ -4,7 +4,7 @@
 //!   a sweep writes to is left alone; a finished sweep on any grid owes nothing.
 //! Data: steady and affine on small grids; their tables, cut.
 
-use crate::program::{Folder, code, stderr, stdout, sweep};
+use crate::program::{Folder, code, ends, refuses, stderr, stdout, sweep};
 use std::path::PathBuf;
 
 /// Both scenes on a grid that is not in their files, in `out`.
@@ -22,7 +22,7 @@ fn owes(folder: &Folder, words: &[&str]) {
     let output = sweep(&["report", &folder.argument("out")]);
     let said = stderr(&output);
     assert_eq!(code(&output), 2, "{said}{}", stdout(&output));
-    let page = std::fs::read_to_string(folder.at("out/index.html")).expect("a page");
+    let page = folder.read("out/index.html");
     for word in words {
         assert!(said.contains(word), "{word}: {said}");
     }
@@ -45,7 +45,7 @@ fn a_finished_sweep_owes_nothing_on_any_grid() {
     let part = folder.argument("part");
     let grid = ["run", "affine", "--n", "2,4", "--steps", "4,8", "--out", &part, "--quiet"];
     let some = [&grid[..], &["--only", "affine:n4:N8", "affine:n2:N4"]].concat();
-    assert_eq!(code(&sweep(&some)), 0);
+    ends(0, &some);
     let output = sweep(&["report", &part]);
     assert!(code(&output) < 2, "{}", stderr(&output));
 }
@@ -69,7 +69,7 @@ fn what_is_missing_is_named() {
     // All of a scene.
     rows(&|line| !line.starts_with("steady,"));
     owes(&folder, &["6 cases missing", "steady:n4:N4"]);
-    let page = std::fs::read_to_string(folder.at("out/index.html")).expect("a page");
+    let page = folder.read("out/index.html");
     assert!(page.contains("id=\"steady\""), "the scene has vanished");
     // All.
     rows(&|line| line.starts_with("scene,"));
@@ -88,9 +88,7 @@ fn what_is_missing_is_named() {
     // Nobody knows of anything.
     rows(&|line| line.starts_with("scene,"));
     std::fs::remove_file(folder.at("out/provenance.json")).expect("removed");
-    let output = sweep(&["report", &folder.argument("out")]);
-    assert_eq!((code(&output), stdout(&output).as_str()), (2, ""));
-    assert!(stderr(&output).contains("no cases"), "{}", stderr(&output));
+    refuses(&["report", &folder.argument("out")], &["no cases"]);
 }
 
 /// Results that somebody wrote into the table are results of nothing.
@@ -120,15 +118,12 @@ fn a_directory_that_a_sweep_writes_to_is_left_alone() {
     let table = finished(&folder);
     let before = std::fs::read(&table).expect("a table");
     let held = run::sweep::OutputDirectory::take(&folder.at("out")).expect("a directory");
-    let output = sweep(&["report", &folder.argument("out")]);
-    assert_eq!((code(&output), stdout(&output).as_str()), (2, ""));
-    assert!(stderr(&output).contains("is writing here"), "{}", stderr(&output));
+    refuses(&["report", &folder.argument("out")], &["is writing here"]);
     assert!(std::fs::read(&table).expect("a table") == before);
     drop(held);
     assert!(code(&sweep(&["report", &folder.argument("out")])) < 2);
     // A name without a table makes no directory.
     let nowhere = folder.argument("nowhere");
-    let output = sweep(&["report", &nowhere]);
-    assert_eq!(code(&output), 2);
+    let output = ends(2, &["report", &nowhere]);
     assert!(stderr(&output).contains("nowhere/cases.csv") && !folder.at("nowhere").exists());
 }

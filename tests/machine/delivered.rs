@@ -4,7 +4,7 @@
 use std::fs::File;
 use std::process::{Command, Stdio};
 
-use crate::program::{Folder, code, command, stderr, sweep};
+use crate::program::{Folder, code, command, refuses, stderr, sweep};
 use crate::shipped::{edited, text};
 
 /// A command and its exit code where its output is read.
@@ -120,9 +120,7 @@ fn files_are_written_all_the_same() {
     }
     // A file that cannot be written is said, whatever the verdicts.
     let device = ["gate", "affine", "--n", "2,4", "--steps", "4", "--json", "/dev/full"];
-    let output = sweep(&[&device[..], &["--out", &folder.argument("out")]].concat());
-    assert_eq!(code(&output), 2, "{}", stderr(&output));
-    assert!(stderr(&output).contains("/dev/full"), "{}", stderr(&output));
+    refuses(&[&device[..], &["--out", &folder.argument("out")]].concat(), &["/dev/full"]);
 }
 
 /// One place writes to stdout, one to stderr: the macros end a program whose stderr is on a full disk.

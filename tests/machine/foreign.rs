@@ -2,7 +2,7 @@
 
 use files::{harmless, harmless_json, shortened};
 
-use crate::program::{Folder, code, json, stderr, stdout, sweep};
+use crate::program::{Folder, ends, json, stderr, stdout, sweep};
 use crate::shipped::{edited, text};
 
 /// What a hostile text is made of, as TOML and shell write it: colours by either form of the escape, a command of
@@ -84,7 +84,7 @@ fn texts_of_a_scene_do_nothing() {
         acts_not(file, &written, &[]);
     }
     for name in folder.names().iter().filter(|name| name.ends_with(".md")) {
-        acts_not(name, &std::fs::read_to_string(folder.at(name)).expect("a file"), &[]);
+        acts_not(name, &folder.read(name), &[]);
     }
 }
 
@@ -98,8 +98,7 @@ fn what_a_solver_prints_does_nothing() {
     let arguments =
         ["verify", "signorini", "--n", "4", "--steps", "2", "--out", &out, "--solver", &solver];
     for more in [&[][..], &["--github"], &["--json"], &["--verbose"]] {
-        let output = sweep(&[&arguments[..], more].concat());
-        assert_eq!(code(&output), 2, "{}", stderr(&output));
+        let output = ends(2, &[&arguments[..], more].concat());
         acts_not(
             "stdout",
             &stdout(&output),
@@ -111,7 +110,7 @@ fn what_a_solver_prints_does_nothing() {
         let all = said.contains("red") && said.contains("from outside");
         assert!(all || (more == ["--json"] && said.contains("old")), "{said}");
     }
-    let page = std::fs::read_to_string(folder.at("out/index.html")).expect("a page");
+    let page = folder.read("out/index.html");
     acts_not("index.html", &page, &[]);
 }
 

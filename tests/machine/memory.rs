@@ -3,7 +3,9 @@
 use std::process::Stdio;
 use std::time::{Duration, Instant};
 
-use crate::program::{Folder, code, command, json, stderr, stdout, sweep, timeless};
+use crate::program::{
+    Folder, code, command, ends, json, refused, refuses, stderr, stdout, sweep, timeless,
+};
 use crate::shipped::{edited, text};
 
 /// A prediction may be off by this factor: it decides what fits, and nothing else.
@@ -56,11 +58,7 @@ fn a_case_above_the_limit_is_a_failed_case_with_its_reason() {
 fn a_single_run_above_the_limit_is_refused_before_its_mesh_is_made() {
     let refused = |arguments: &[&str], words: &str| {
         let start = Instant::now();
-        let output = sweep(arguments);
-        let said = stderr(&output);
-        assert_eq!(code(&output), 2, "{said}");
-        assert!(output.stdout.is_empty(), "{}", stdout(&output));
-        assert!(said.contains(words) && said.contains("--memory-limit"), "{said}");
+        refuses(arguments, &[words, "--memory-limit"]);
         start.elapsed()
     };
     let steps = ["--steps", "16", "--memory-limit", "20M"];
@@ -71,13 +69,10 @@ fn a_single_run_above_the_limit_is_refused_before_its_mesh_is_made() {
         "at least ",
     );
     assert!(taken < Duration::from_secs(60), "{taken:?}");
-    let output = sweep(&["solve", "punch", "--n", "16", "--steps", "4", "--memory-limit", "2G"]);
-    assert_eq!(code(&output), 0, "{}", stderr(&output));
+    ends(0, &["solve", "punch", "--n", "16", "--steps", "4", "--memory-limit", "2G"]);
     for amount in ["much", "-1", "0", "8X"] {
-        let output =
-            sweep(&["solve", "punch", "--n", "4", "--steps", "4", "--memory-limit", amount]);
-        assert_eq!(code(&output), 2, "{}", stderr(&output));
-        assert!(stderr(&output).contains(amount), "{}", stderr(&output));
+        let steps = ["--steps", "4", "--memory-limit", amount];
+        refuses(&[&["solve", "punch", "--n", "4"], &steps[..]].concat(), &[amount]);
     }
 }
 
@@ -112,13 +107,10 @@ fn every_command_that_solves_refuses_what_does_not_fit() {
         let written = matches!(arguments[0], "diagnose" | "solve" | "check");
         let options: &[&str] = if written { &[] } else { &["--out", &out] };
         let with = |limit| sweep(&[arguments, options, &["--memory-limit", limit]].concat());
-        let (output, start) = (with("1M"), Instant::now());
-        let said = stderr(&output);
-        assert_eq!(code(&output), 2, "{arguments:?}: {said}");
-        assert!(output.stdout.is_empty() && !folder.at("out").exists(), "{arguments:?}");
-        for part in [words, "of memory predicted", "limit of 1.00 MiB", "raise --memory-limit"] {
-            assert!(said.contains(part), "{arguments:?}: {part}: {said}");
-        }
+        let start = Instant::now();
+        let parts = [words, "of memory predicted", "limit of 1.00 MiB", "raise --memory-limit"];
+        refused(&with("1M"), &parts);
+        assert!(!folder.at("out").exists(), "{arguments:?}");
         // Prediction is no solution.
         assert!(start.elapsed() < Duration::from_secs(60));
         // With room the same arguments are taken.
@@ -135,10 +127,8 @@ fn commands_that_make_meshes_alone_refuse_those_that_do_not_fit() {
     let folder = Folder::new("meshes");
     let scene = edited(&text("signorini"), "n = [8, 16, 32, 64]", "n = [8, 2048]");
     let scene = folder.file("signorini.toml", &scene);
-    let output = sweep(&["check", &scene, "--memory-limit", "1G"]);
-    let said = stderr(&output);
-    assert_eq!(code(&output), 2, "{said}");
-    assert!(said.contains("n = 2048: at least ") && said.contains("--memory-limit"), "{said}");
+    let said = ["n = 2048: at least ", "--memory-limit"];
+    refuses(&["check", &scene, "--memory-limit", "1G"], &said);
 }
 
 /// A strip under a soft layer that gives way, of unit height: whether it may be solved is decided by a constant of its
@@ -181,8 +171,7 @@ fn constants_of_long_domains_are_computed_within_the_limit() {
     let limit = 64.0 * 1_048_576.0;
     let scene = folder.file("strip.toml", &strip(1000.0));
     let arguments = ["check", &scene, "--memory-limit", "64M"];
-    let output = sweep(&arguments);
-    assert_eq!(code(&output), 0, "{}", stderr(&output));
+    ends(0, &arguments);
     let taken = peak(&arguments);
     println!("check: {:.0} MB of {:.0} MB", taken / 1e6, limit / 1e6);
     assert!(taken < limit, "{taken}");
@@ -198,9 +187,8 @@ fn constants_of_long_domains_are_computed_within_the_limit() {
         &["run", "--out", &out],
     ] {
         let arguments = [&command[..1], &[&scene, "--memory-limit", "64M"], &command[1..]].concat();
-        let output = sweep(&arguments);
-        let said = stderr(&output);
-        assert_eq!(code(&output), 2, "{command:?}: {said}");
+        // A run says on stdout that nothing was judged.
+        let said = stderr(&ends(2, &arguments));
         for part in ["strip n", "of memory predicted", "limit of 64.0 MiB", "--memory-limit"] {
             assert!(said.contains(part), "{command:?}: {part}: {said}");
         }
@@ -230,9 +218,8 @@ fn records_of_sweeps_beside_run_name_the_limit() {
         &["baseline", &scene, "--file", &file, "--out", &out],
     ];
     for arguments in commands {
-        let output = sweep(&[arguments, &["--memory-limit", "1M"]].concat());
-        assert_eq!(code(&output), 2, "{}", stderr(&output));
-        let table = std::fs::read_to_string(folder.at("out/cases.csv")).expect("records");
+        let output = ends(2, &[arguments, &["--memory-limit", "1M"]].concat());
+        let table = folder.read("out/cases.csv");
         let failed = table.lines().skip(1).all(|row| row.contains("failed"));
         assert!(failed && table.lines().count() > 1, "{table}");
         let reasons = stdout(&output) + &stderr(&output);

@@ -55,7 +55,7 @@ fn a_report_says_what_made_it_and_where_is_nobodys_business() {
     let mut without = verdict["provenance"].clone();
     without["run"]["commit"] = "/home/me".into();
     assert!(!faults(&without, 2, options).is_empty());
-    let page = std::fs::read_to_string(folder.at("out/index.html")).expect("a page");
+    let page = folder.read("out/index.html");
     for key in ["compiler", "processor", "options"] {
         let value = verdict["provenance"]["run"][key].as_str().expect("a text");
         let escaped = value.replace('&', "&amp;").replace('<', "&lt;");

@@ -35,6 +35,18 @@ impl Folder {
         self.at(name).display().to_string()
     }
 
+    /// A file of the folder.
+    #[track_caller]
+    pub fn read(&self, name: &str) -> String {
+        std::fs::read_to_string(self.at(name)).unwrap_or_else(|error| panic!("{name}: {error}"))
+    }
+
+    /// A document of the folder.
+    #[track_caller]
+    pub fn json(&self, name: &str) -> serde_json::Value {
+        serde_json::from_str(&self.read(name)).unwrap_or_else(|error| panic!("{name}: {error}"))
+    }
+
     /// Names in the folder, sorted.
     pub fn names(&self) -> Vec<String> {
         let entries = std::fs::read_dir(&self.0).expect("the folder");
@@ -74,6 +86,43 @@ pub fn sweep(arguments: &[&str]) -> Output {
         "this or a command beside it wrote into reports/latest: {arguments:?}"
     );
     output
+}
+
+/// Runs it to its end, which must be this exit code.
+#[track_caller]
+pub fn ends(exit: i32, arguments: &[&str]) -> Output {
+    let output = sweep(arguments);
+    let said = || stdout(&output) + &stderr(&output);
+    assert_eq!(code(&output), exit, "{arguments:?}: {}", said());
+    output
+}
+
+/// Bad input: exit code 2, nothing printed, and a message with these words.
+#[track_caller]
+pub fn refused(output: &Output, words: &[&str]) {
+    let said = stderr(output);
+    assert_eq!((code(output), stdout(output).as_str()), (2, ""), "{said}");
+    for part in words {
+        assert!(said.contains(part) || unwrapped(&said).contains(part), "{part}: {said}");
+    }
+}
+
+/// What is refused as it is given.
+#[track_caller]
+pub fn refuses(arguments: &[&str], words: &[&str]) {
+    refused(&sweep(arguments), words);
+}
+
+/// Words with a blank between them, wherever lines end.
+pub fn unwrapped(text: &str) -> String {
+    text.split_whitespace().collect::<Vec<_>>().join(" ")
+}
+
+/// A file of the repository.
+#[track_caller]
+pub fn repository(file: &str) -> String {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(file);
+    std::fs::read_to_string(path).unwrap_or_else(|error| panic!("{file}: {error}"))
 }
 
 /// Its exit code; a signal is a failure of the test.

@@ -8,7 +8,7 @@ use std::sync::Arc;
 
 use fem::contact::{CaseError, CaseInfo, Discretization, Model, StepView, march};
 use fem::norms::{StepErrors, step_errors};
-use scene::setup::{MeshData, Setup, TruthLoad};
+use scene::setup::{AbstractSetup, MeshData, Setup, Subject, TruthLoad};
 use scene::{Body, Registry, Scene, Source};
 use vhi::Newton;
 
@@ -28,11 +28,32 @@ pub fn edited(text: &str, from: &str, to: &str) -> String {
     text.replace(from, to)
 }
 
-/// A scene from a text that stands beside the shipped ones, ready to compute.
+/// A scene from a text that stands beside the shipped ones, or what is wrong with it.
+fn read(text: String) -> Result<Scene, String> {
+    let source = Source::from_text("manufactured/edited.toml", text);
+    Scene::from_source(source).map_err(|error| error.to_string())
+}
+
+/// A scene from a text that stands beside the shipped ones.
+pub fn scene_of(text: String) -> Scene {
+    read(text).unwrap_or_else(|error| panic!("{error}"))
+}
+
+/// The same, ready to compute.
 pub fn setup_of(text: String) -> Setup {
-    let scene = Scene::from_source(Source::from_text("manufactured/edited.toml", text));
-    Setup::new(scene.unwrap_or_else(|error| panic!("{error}")))
-        .unwrap_or_else(|error| panic!("{error}"))
+    Setup::new(scene_of(text)).unwrap_or_else(|error| panic!("{error}"))
+}
+
+/// A scene without a mesh, ready to compute.
+pub fn abstract_of(text: String) -> AbstractSetup {
+    AbstractSetup::new(scene_of(text)).unwrap_or_else(|error| panic!("{error}"))
+}
+
+/// What the reader or the set-up says of a text that one of them refuses.
+#[track_caller]
+pub fn refusal(text: String) -> String {
+    let found = read(text).and_then(|scene| Subject::new(scene).map_err(|e| e.to_string()));
+    found.map(drop).expect_err("a scene that is refused")
 }
 
 /// A shipped scene, ready to compute.
@@ -40,10 +61,14 @@ pub fn setup(name: &str) -> Setup {
     setup_of(text(name))
 }
 
+pub fn registry() -> Registry {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("manufactured");
+    Registry::open(&folder).unwrap_or_else(|error| panic!("{error}"))
+}
+
 /// All shipped scenes of a body that can be set up, one after the other: a setup takes some ten milliseconds.
 pub fn bodies() -> impl Iterator<Item = Setup> {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("manufactured");
-    let registry = Registry::open(&folder).unwrap_or_else(|error| panic!("{error}"));
+    let registry = registry();
     let names: Vec<String> = registry.names().map(str::to_owned).collect();
     let scene = move |name: String| registry.load(&name).unwrap_or_else(|error| panic!("{error}"));
     let contact = names.into_iter().map(scene).filter(|s| matches!(s.body, Body::Contact(_)));

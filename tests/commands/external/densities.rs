@@ -11,7 +11,7 @@ use scene::setup::{MeshData, NewtonMarch, Scheme, Setup, Subject};
 use std::sync::Arc;
 
 use super::{errors, rows};
-use crate::program::{Folder, code, stderr, sweep};
+use crate::program::{Folder, refuses};
 use crate::shipped::{on_mesh, setup as shipped};
 
 /// The shipped scene with loads that are functions.
@@ -96,12 +96,8 @@ fn errors_differ_from_those_of_assembled_loads_by_quadrature() {
 fn loads_that_are_no_functions_are_refused() {
     let folder = Folder::new("external-no-densities");
     let export = folder.argument("cases");
-    let output = sweep(&["verify", "state-instant", "--loads", "density", "--export", &export]);
-    let said = stderr(&output);
-    assert!(
-        code(&output) == 2 && said.contains("no functions") && said.contains("--loads"),
-        "{said}"
-    );
+    let verify = ["verify", "state-instant", "--loads", "density", "--export", &export];
+    refuses(&verify, &["no functions", "--loads"]);
 }
 
 /// Loads that a solver has assembled in its own way.

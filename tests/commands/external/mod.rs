@@ -15,7 +15,7 @@ mod sizes;
 
 use std::path::{Path, PathBuf};
 
-use crate::program::{Folder, code, json, stderr, stdout, sweep};
+use crate::program::{Folder, code, ends, json, stderr, stdout, sweep, unwrapped};
 use crate::shipped::{on_mesh, setup, setup_of, text};
 use fem::mesh::read_gmsh;
 use fem::norms::{StepErrors, step_errors};
@@ -312,7 +312,7 @@ fn a_traceback_is_shown_once_and_as_it_was_written() {
     let said = stdout(&output);
     assert!(said.contains(&format!("{}\n", lines.join("\n"))), "{said}");
     assert_eq!(said.matches(lines[1].trim()).count(), 1, "{said}");
-    let words = said.split_whitespace().collect::<Vec<_>>().join(" ");
+    let words = unwrapped(&said);
     assert!(words.contains("exit status: 1: KeyError: 'gap'"), "{said}");
 }
 
@@ -326,7 +326,7 @@ fn one_reason_of_many_cases_is_said_once() {
     let reason = "no module named skfem";
     assert_eq!(code(&output), 2);
     let (said, noted) = (stdout(&output), stderr(&output));
-    let said = said.split_whitespace().collect::<Vec<_>>().join(" ");
+    let said = unwrapped(&said);
     assert_eq!(said.matches(reason).count(), 1, "{said}");
     assert!(said.contains("3 more for the same reason"), "{said}");
     assert_eq!(noted.matches(reason).count(), 1, "{noted}");
@@ -423,8 +423,7 @@ fn exported_cases_come_back_through_results_and_a_wrong_answer_fails() {
     // For CI: the same answers as JUnit and as annotations.
     let junit = folder.argument("junit.xml");
     let given = ["--results", &cases, "--out", &out, "--junit", &junit, "--github"];
-    let annotated = sweep(&[&common[..], &given].concat());
-    assert_eq!(code(&annotated), 1);
+    let annotated = ends(1, &[&common[..], &given].concat());
     assert!(stdout(&annotated).contains("::error file="), "{}", stdout(&annotated));
     assert!(std::fs::read_to_string(&junit).expect("JUnit").contains("<failure"));
 }
@@ -439,7 +438,7 @@ fn what_becomes_of_pressures_is_said() {
         answer(&setup, &on_mesh(&setup, n), steps, &place(&folder, name, n, steps));
         let verify = ["verify", name, "--n", &grid[0], "--steps", &grid[1], "--results", &cases];
         let output = sweep(&[&verify[..], &["--out", &out], more].concat());
-        stdout(&output).split_whitespace().collect::<Vec<_>>().join(" ")
+        unwrapped(&stdout(&output))
     };
     let handed = said("affine", 4, 2, &["--pressure"]);
     assert!(handed.contains("note: no claim of affine needs the pressures"), "{handed}");

@@ -11,7 +11,7 @@ use judge::record::{CaseRecord, Status, read};
 use run::sweep::{Machine, OutputDirectory, Overrides, Progress, ScenePlan, run_sweep};
 use scene::setup::{MeshData, NewtonMarch, Scheme, Setup, Subject};
 
-use crate::program::{Folder, code, stderr, stdout, sweep, timeless};
+use crate::program::{Folder, code, ends, stderr, stdout, sweep, timeless};
 use crate::resume::{arguments, finish, lines, run_until, scenes};
 use crate::shipped::setup;
 
@@ -56,8 +56,7 @@ fn a_directory_that_cannot_be_is_refused_before_anything_is_computed() {
     let scenes = scenes(&folder);
     let file = folder.file("a-file", "");
     for out in [file.clone(), format!("{file}/below")] {
-        let output = sweep(&arguments(&scenes, &out));
-        assert_eq!(code(&output), 2, "{}", stderr(&output));
+        let output = ends(2, &arguments(&scenes, &out));
         let said = stderr(&output);
         assert!(said.contains(&out) && said.contains("--out"), "{said}");
         // Progress begins with the number of cases.

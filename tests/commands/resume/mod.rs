@@ -13,7 +13,7 @@ use std::path::Path;
 use std::process::{Child, Stdio};
 use std::time::{Duration, Instant};
 
-use crate::program::{Folder, code, command, stderr, stdout, sweep, timeless};
+use crate::program::{Folder, code, command, refuses, stderr, stdout, sweep, timeless};
 use crate::shipped::{edited, text};
 use algebra::linalg::signed_unit;
 
@@ -34,6 +34,15 @@ fn finish(arguments: &[&str]) -> String {
     // Too few points for verdicts: unresolved; a failed case would be 2.
     assert_eq!(code(&output), 1, "{}{}", stdout(&output), stderr(&output));
     stderr(&output)
+}
+
+/// Runs the sweep into `out`; how to resume it.
+#[track_caller]
+fn finished<'a>(scenes: &'a [String; 2], out: &'a str) -> Vec<&'a str> {
+    let mut resuming = arguments(scenes, out);
+    finish(&resuming);
+    resuming.push("--resume");
+    resuming
 }
 
 fn lines(path: &Path) -> usize {
@@ -205,11 +214,8 @@ fn an_interrupted_sweep_says_how_to_go_on_and_does() {
 #[test]
 fn a_torn_last_line_is_cut() {
     let folder = Folder::new("torn");
-    let scenes = scenes(&folder);
-    let out = folder.argument("out");
-    let mut resuming = arguments(&scenes, &out);
-    finish(&resuming);
-    resuming.push("--resume");
+    let (scenes, out) = (scenes(&folder), folder.argument("out"));
+    let resuming = finished(&scenes, &out);
     let table = folder.at("out/cases.csv");
     let bytes = std::fs::read(&table).expect("the table");
     let expected = timeless(&table);
@@ -227,23 +233,13 @@ fn a_torn_last_line_is_cut() {
 #[test]
 fn records_of_another_text_are_refused() {
     let folder = Folder::new("changed");
-    let scenes = scenes(&folder);
-    let out = folder.argument("out");
-    let mut resuming = arguments(&scenes, &out);
-    finish(&resuming);
-    resuming.push("--resume");
+    let (scenes, out) = (scenes(&folder), folder.argument("out"));
+    let resuming = finished(&scenes, &out);
     let table = std::fs::read(folder.at("out/cases.csv")).expect("the table");
     // The same numbers in another text: the records cannot know.
-    let original = std::fs::read_to_string(folder.at("signorini.toml")).expect("the scene");
+    let original = folder.read("signorini.toml");
     folder.file("signorini.toml", &edited(&original, "L = 600", "L = 601"));
-    let output = sweep(&resuming);
-    assert_eq!(code(&output), 2, "{}", stderr(&output));
-    assert_eq!(stdout(&output), "");
-    let message = stderr(&output);
-    assert!(
-        message.contains("`signorini` has changed") && message.contains("--resume"),
-        "{message}"
-    );
+    refuses(&resuming, &["`signorini` has changed", "--resume"]);
     assert_eq!(std::fs::read(folder.at("out/cases.csv")).expect("the table"), table);
     // With the text restored the records are good again, and nothing is left to run.
     folder.file("signorini.toml", &original);
@@ -253,23 +249,15 @@ fn records_of_another_text_are_refused() {
 #[test]
 fn records_of_another_version_are_refused() {
     let folder = Folder::new("version");
-    let scenes = scenes(&folder);
-    let out = folder.argument("out");
-    let mut resuming = arguments(&scenes, &out);
-    finish(&resuming);
-    resuming.push("--resume");
+    let (scenes, out) = (scenes(&folder), folder.argument("out"));
+    let resuming = finished(&scenes, &out);
     let provenance = folder.at("out/provenance.json");
     let version = format!("\"version\": \"{}\"", env!("CARGO_PKG_VERSION"));
     let text = std::fs::read_to_string(&provenance).expect("the provenance");
     std::fs::write(&provenance, edited(&text, &version, "\"version\": \"0.0.7\""))
         .expect("written");
-    let output = sweep(&resuming);
-    assert_eq!(code(&output), 2, "{}", stderr(&output));
-    let message = stderr(&output);
-    assert!(message.contains("version 0.0.7") && message.contains("--out"), "{message}");
+    refuses(&resuming, &["version 0.0.7", "--out"]);
     // Records whose origin nobody knows.
     std::fs::remove_file(&provenance).expect("removed");
-    let output = sweep(&resuming);
-    assert_eq!(code(&output), 2, "{}", stderr(&output));
-    assert!(stderr(&output).contains("without provenance.json"), "{}", stderr(&output));
+    refuses(&resuming, &["without provenance.json"]);
 }
