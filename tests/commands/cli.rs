@@ -1,12 +1,13 @@
 //! Source: the contracts of the command line (exit codes, JSON keys, files); others rely on them.
 //! Goal: 0 only where all verdicts pass, 1 where one fails or is unresolved, 2 where it could not judge; every table
-//!   has its JSON, and the help says what the main job is.
+//!   has its JSON (its keys: json_reference), and the help says what the main job is.
 //! Data: affine and steady (small, judged), edited copies of shipped scenes, tables by hand.
 
-use std::collections::BTreeSet;
 use std::process::Output;
 
-use crate::program::{Folder, code, command, json, stderr, stdout, sweep};
+use crate::program::{
+    Folder, code, command, ends, json, refuses, stderr, stdout, sweep, unwrapped,
+};
 use crate::shipped::{edited, text};
 use serde_json::Value;
 
@@ -79,15 +80,13 @@ fn scenes_without_judgement_are_measured_and_never_gated() {
     let small = edited(&small, "steps = [8, 16, 32]", "steps = [4]");
     let scene = folder.file("punch.toml", &small);
     let out = folder.argument("out");
-    let output = sweep(&["run", &scene, "--out", &out]);
-    assert_eq!(code(&output), 0, "{}", stderr(&output));
+    let output = ends(0, &["run", &scene, "--out", &out]);
     let said = stdout(&output);
     assert!(said.contains("nothing was judged") && said.contains("2 cases, 0 failed\n"), "{said}");
     assert!(!said.contains("verdict ") && !said.contains("as expected"), "{said}");
-    let page = std::fs::read_to_string(folder.at("out/index.html")).expect("a page");
+    let page = folder.read("out/index.html");
     assert!(page.contains("nothing was judged") && !page.contains("of 0 verdicts"));
-    let rebuilt = sweep(&["report", &out, "--scenes", &folder.argument("")]);
-    assert_eq!(code(&rebuilt), 0, "{}", stderr(&rebuilt));
+    let rebuilt = ends(0, &["report", &out, "--scenes", &folder.argument("")]);
     assert!(stdout(&rebuilt).contains("nothing was judged"));
     // A gate refuses before it computes anything.
     let gated = folder.argument("gated");
@@ -99,8 +98,7 @@ fn scenes_without_judgement_are_measured_and_never_gated() {
     // One judged scene is something to judge.
     let judged = folder.file("affine.toml", &text("affine"));
     let mixed = ["gate", &scene, &judged, "--n", "4", "--steps", "4,8", "--out", &gated];
-    let output = sweep(&mixed);
-    assert_eq!(code(&output), 1, "unresolved, but judged: {}", stderr(&output));
+    ends(1, &mixed);
 }
 
 #[test]
@@ -115,31 +113,12 @@ fn a_solver_that_gives_up_is_two() {
     let failures = document["failures"].as_array().expect("failures");
     assert_eq!(failures.len(), 2);
     assert!(failures[0]["reason"].as_str().is_some_and(|r| r.contains("not positive definite")));
-    let table = std::fs::read_to_string(folder.at("out/cases.csv")).expect("a table");
+    let table = folder.read("out/cases.csv");
     assert!(
         table.lines().skip(1).all(|row| row.contains(",,,failed,")),
         "no error, no floor: {table}"
     );
-    let output = sweep(&["solve", &scene, "--n", "4", "--steps", "1", "--json"]);
-    assert_eq!((code(&output), stdout(&output).as_str()), (2, ""));
-    assert!(stderr(&output).contains("step 1 (t = 1)"), "{}", stderr(&output));
-}
-
-#[test]
-fn tables_of_anybody_are_judged() {
-    let folder = Folder::new("fit");
-    let fit = |rows: &[&str], aim: &[&str]| {
-        let table = folder.file("table.csv", &format!("h,error\n{}\n", rows.join("\n")));
-        let mut arguments = vec!["fit", &table];
-        arguments.extend(aim);
-        code(&sweep(&arguments))
-    };
-    let first = ["0.2,0.6", "0.1,0.3", "0.05,0.15", "0.025,0.075"];
-    assert_eq!(fit(&first, &["--p", "1"]), 0);
-    assert_eq!(fit(&first, &["--p", "2"]), 1);
-    assert_eq!(fit(&first, &[]), 0);
-    assert_eq!(fit(&first[..2], &["--p", "1"]), 1, "two points are unresolved");
-    assert_eq!(fit(&first, &["--p", "1", "--q", "2"]), 1, "no k to judge");
+    refuses(&["solve", &scene, "--n", "4", "--steps", "1", "--json"], &["step 1 (t = 1)"]);
 }
 
 #[test]
@@ -158,18 +137,6 @@ fn a_fit_is_plain_to_read() {
     assert!(one.contains("unresolved, 1 point, an order needs"), "{one}");
 }
 
-/// NaN or missing is a failure: the other rows must not pass for the table.
-#[test]
-fn a_table_with_a_hole_does_not_pass() {
-    let folder = Folder::new("hole");
-    for hole in ["0.025,nan", "0.025,", "0.025,inf", "0.025,-0.075"] {
-        let rows = ["h,error", "0.2,0.6", "0.1,0.3", "0.05,0.15", hole, ""].join("\n");
-        let table = folder.file("table.csv", &rows);
-        let output = sweep(&["fit", &table, "--p", "1"]);
-        assert_ne!(code(&output), 0, "`{hole}`: {}", stdout(&output));
-    }
-}
-
 #[test]
 fn a_fit_says_nothing_of_absent_columns() {
     let folder = Folder::new("absent");
@@ -178,43 +145,10 @@ fn a_fit_says_nothing_of_absent_columns() {
     let variables: Vec<&Value> =
         rows.as_array().expect("rows").iter().map(|r| &r["variable"]).collect();
     assert_eq!(variables, ["h"]);
-    keys(
-        &rows[0],
-        &[
-            "read",
-            "variable",
-            "local_slopes",
-            "order",
-            "observed",
-            "interval",
-            "coarse_left_out",
-            "floor_from",
-            "log",
-            "reference",
-            "constant",
-            "constant_interval",
-            "predicted",
-            "at_least",
-            "exact",
-            "tolerance",
-            "verdict",
-            "probability",
-            "reason",
-            "next",
-            "points_used",
-            "points_left_out",
-            "scene",
-            "norm",
-        ],
-    );
-}
-
-/// Exactly these keys.
-#[track_caller]
-fn keys(object: &Value, expected: &[&str]) {
-    let found: BTreeSet<&str> =
-        object.as_object().expect("an object").keys().map(String::as_str).collect();
-    assert_eq!(found, expected.iter().copied().collect());
+    // Without k there is none to judge.
+    ends(1, &["fit", &table, "--p", "1", "--q", "2"]);
+    let of_k = |key: &&String| key.ends_with("_k") || key.starts_with("models");
+    assert_eq!(rows[0].as_object().expect("a row").keys().find(of_k), None);
 }
 
 #[test]
@@ -222,86 +156,28 @@ fn list_and_check_have_their_json() {
     let list = json(&sweep(&["list", "--json"]));
     let scenes = list.as_array().expect("scenes");
     assert!(scenes.len() >= 13);
-    for scene in scenes {
-        keys(scene, &["name", "file", "question", "terms", "truth", "predicts", "long", "judge"]);
-    }
     let plan = json(&sweep(&["check", "affine", "--json"]));
-    let always = ["scene", "terms", "truth", "algorithm", "history", "reference", "cases"];
-    keys(&plan, &[&always[..], &["constants", "findings", "regions", "rule"]].concat());
     let cases = plan["cases"].as_array().expect("cases");
     assert_eq!(cases.len(), 5);
-    let predicted = ["memory_bytes_predicted"];
     for case in cases {
-        keys(
-            case,
-            &[&["n", "steps", "dofs", "plan", "history_bytes", "norms"][..], &predicted].concat(),
-        );
         assert_eq!(case["plan"], "newton");
-        assert!(predicted.iter().all(|key| case[key].as_f64().is_some_and(|value| value > 0.0)));
+        assert!(case["memory_bytes_predicted"].as_f64().is_some_and(|value| value > 0.0));
         // 4 × 4 squares, 25 vertices, 5 of them clamped, two unknowns each.
         assert_eq!(case["dofs"], 40);
     }
     let punch = json(&sweep(&["check", "punch", "--json"]));
-    let run = ["n", "steps", "plan"];
-    keys(&punch["reference"], &[&run[..], &predicted].concat());
-    assert!(plan["reference"].is_null());
+    assert!(punch["reference"].is_object() && plan["reference"].is_null());
     let findings = plan["findings"].as_array().expect("findings");
     assert!(findings.len() >= 10);
     for finding in findings {
-        keys(finding, &["subject", "status", "value", "text"]);
         let status = finding["status"].as_str().expect("a status");
         assert!(["verified", "fact", "weak"].contains(&status), "{finding}");
     }
 }
 
-/// The keys that programs outside rely on.
-const SOLVED: [&str; 17] = [
-    "strain_norm",
-    "zeta",
-    "elastic_energy",
-    "contact_force",
-    "locked_vertices",
-    "compliance_force",
-    "multiplier_force",
-    "yielding_elements",
-    "min_uy",
-    "min_uy_vertex",
-    "min_normal_gap",
-    "max_normal_displacement",
-    "normal_displacement",
-    "newton_iterations",
-    "kkt_residual",
-    "seconds",
-    "dofs",
-];
-/// Later additions.
-const ADDED: [&str; 16] = [
-    "compliance_pressure",
-    "contact_half_width",
-    "contraction",
-    "contraction_bound",
-    "convex_problems",
-    "element",
-    "factorizations",
-    "fixed_point_iterations",
-    "friction_force",
-    "jump_vertices",
-    "linear_solves",
-    "peak_pressure",
-    "peak_resident_bytes",
-    "pressure_spread",
-    "slip_vertices",
-    "stick_vertices",
-];
-
 #[test]
-fn solve_has_its_keys() {
+fn what_solve_prints_is_of_its_grid() {
     let punch = json(&sweep(&["solve", "punch", "--n", "4", "--steps", "4", "--json"]));
-    keys(&punch, &[&SOLVED[..], &ADDED[..]].concat());
-    let lists = ["min_uy_vertex", "normal_displacement"];
-    for key in SOLVED.iter().filter(|key| !lists.contains(key)) {
-        assert!(punch[*key].as_f64().is_some_and(f64::is_finite), "{key}: {}", punch[*key]);
-    }
     let rows = punch["normal_displacement"].as_array().expect("rows");
     assert!(rows.len() == 5 && rows.iter().all(|row| row.as_array().is_some_and(|r| r.len() == 3)));
     assert!(punch["kkt_residual"].as_f64().is_some_and(|r| r <= 1e-9));
@@ -402,7 +278,7 @@ fn resume_loses_no_records() {
     ];
     for (scene, grid) in more {
         run(&folder, scene, grid);
-        let table = std::fs::read_to_string(folder.at("out/cases.csv")).expect("a table");
+        let table = folder.read("out/cases.csv");
         for start in ["affine,2,4,4,", "affine,2,4,8,", "affine,2,4,16,"] {
             let rows = table.lines().filter(|row| row.starts_with(start)).count();
             assert_eq!(rows, 6, "rows of {start} after {scene} {grid:?}");
@@ -412,9 +288,8 @@ fn resume_loses_no_records() {
 
 /// The words of a help text, whatever the line breaks.
 fn help(arguments: &[&str]) -> String {
-    let output = sweep(arguments);
-    assert_eq!(code(&output), 0);
-    stdout(&output).split_whitespace().collect::<Vec<_>>().join(" ")
+    let output = ends(0, arguments);
+    unwrapped(&stdout(&output))
 }
 
 #[test]
@@ -458,8 +333,7 @@ fn audits_hold_and_say_what_they_checked() {
     let folder = Folder::new("audit");
     let grid = ["--n", "4,8", "--steps", "2,4"];
     let out = folder.argument("out");
-    let output = sweep(&[&["audit", "compliance", "--json", "--out", &out], &grid[..]].concat());
-    assert_eq!(code(&output), 0, "{}", stderr(&output));
+    let output = ends(0, &[&["audit", "compliance", "--json", "--out", &out], &grid[..]].concat());
     let document = json(&output);
     assert_eq!(
         (document["holds"].as_bool(), document["rule"].as_str()),
@@ -477,10 +351,8 @@ fn audits_hold_and_say_what_they_checked() {
 
 #[test]
 fn what_cannot_be_audited_is_two() {
-    let output = sweep(&["audit", "punch"]);
-    assert_eq!(code(&output), 2);
-    assert!(stderr(&output).contains("no exact solution"), "{}", stderr(&output));
-    assert_eq!(code(&sweep(&["audit"])), 2);
+    refuses(&["audit", "punch"], &["no exact solution"]);
+    ends(2, &["audit"]);
 }
 
 /// Completions and man pages know the commands and their options; --quiet leaves results alone.
@@ -496,8 +368,7 @@ fn what_is_generated_knows_the_commands() {
     // `whatis` shows this line.
     assert!(name.is_some_and(|name| name.trim().len() < 110 && !name.contains(". ")), "{name:?}");
     let folder = Folder::new("man");
-    let output = sweep(&["man", "--out", &folder.argument("man")]);
-    assert_eq!(code(&output), 0, "{}", stderr(&output));
+    ends(0, &["man", "--out", &folder.argument("man")]);
     assert!(folder.at("man/sweep-run.1").exists() && folder.at("man/sweep.1").exists());
 }
 
@@ -512,7 +383,5 @@ fn quiet_says_errors_alone() {
     assert_eq!((stderr(&quiet), stdout(&quiet)), (String::new(), stdout(&usual)));
     // No colour where there is no terminal.
     assert!(!stdout(&usual).contains('\u{1b}'));
-    let refused = sweep(&["--quiet", "run", "afine"]);
-    assert_eq!(code(&refused), 2);
-    assert!(stderr(&refused).contains("did you mean `affine`"), "{}", stderr(&refused));
+    refuses(&["--quiet", "run", "afine"], &["did you mean `affine`"]);
 }
