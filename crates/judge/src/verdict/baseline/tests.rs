@@ -170,30 +170,50 @@ fn a_scene_that_is_not_recorded_is_said() {
     assert!(comparison.lines()[0].contains("not recorded, hence not compared: new"));
 }
 
-/// Errors below 4 floors are not recorded; near that, 4 floors are allowed as far as they are rounding, but at most 0.5 %.
+/// 1e-6 of itself, whatever its floor; near rounding, which is 1e-12 of the scene's largest error or the floor below, 4 times
+/// that; 0.5 % at most. Errors below 4 floors are not recorded.
 #[test]
-fn floors_widen_what_is_allowed_by_their_rounding_alone() {
-    let of_scene = |largest: f64, error: f64, floor: f64| {
-        let mut one = record(8, error);
-        one.errors[0].floor = Some(floor);
-        let coarse = record(4, largest);
-        Baseline::of(&[coarse, one], &[("block", "hash")]).scenes["block"].cases[1].clone()
+fn an_error_counts_from_its_tolerance_on() {
+    let both = |largest: f64, error: f64, floor: f64| {
+        let mut records = [record(4, largest), record(8, error)];
+        records[1].errors[0].floor = Some(floor);
+        records
     };
-    let entry = |error: f64, floor: f64| of_scene(1e-2, error, floor);
-    assert!(entry(1e-6, 3e-7).errors.is_empty());
-    assert_eq!(entry(1e-6, 1e-14).errors[V_MAX], 1e-6);
-    // Rounding: 4 floors, and half a percent at most.
-    assert_eq!(entry(1e-9, 1e-13).allowed[V_MAX], 4e-4);
-    assert_eq!(entry(1e-11, 1e-13).allowed[V_MAX], 5e-3);
-    // A floor of quadrature, a thousandth of the error: its rounding is 1e-12, within what every run is allowed.
-    assert!(entry(1e-3, 1e-6).allowed.is_empty());
-    assert_eq!(entry(1e-7, 1e-8).allowed[V_MAX], 4e-5);
-    // Errors in another unit of length: 4e-8 of 1e-3.
-    assert_eq!(of_scene(1e4, 1e-3, 1e-4).allowed[V_MAX], 4e-5);
+    let of_both = |records: &[CaseRecord]| Baseline::of(records, &[("block", "hash")]);
+    for (largest, error, floor, tolerance) in [
+        (1e-3, 1e-3, 1e-16, 1e-6),
+        (1e-3, 1e-3, 2e-4, 1e-6),
+        (1e-8, 1e-8, 1e-9, 4e-4),
+        (1e-8, 1e-8, 1e-14, 4e-6),
+        (1e-10, 1e-10, 1e-12, 5e-3),
+        (1e-2, 1e-6, 1e-14, 1e-6),
+        (1e-2, 1e-9, 1e-13, 4e-4),
+        (1e-2, 1e-11, 1e-13, 5e-3),
+        // Floors of quadrature, a thousandth and a tenth of the error; errors in another unit of length.
+        (1e-2, 1e-3, 1e-6, 1e-6),
+        (1e-2, 1e-7, 1e-8, 4e-5),
+        (1e4, 1e-3, 1e-4, 4e-5),
+    ] {
+        let baseline = of_both(&both(largest, error, floor));
+        let deviating = |factor: f64| {
+            let now = both(largest, factor * error, floor);
+            let planned = now.each_ref().map(CaseRecord::key).into();
+            let (scene, hash) = ("block".into(), "hash".into());
+            let run = ComparedRun { scene, hash, planned, own_grids: true };
+            let found = baseline.compare(&[run], &now, &[]).deviations;
+            found.iter().map(|deviation| deviation.kind).collect::<Vec<_>>()
+        };
+        for off in [-tolerance, tolerance] {
+            let place = format!("{largest:e} {error:e} {floor:e} {off:e}");
+            assert_eq!(deviating(1.0 + 0.9 * off), [], "{place}");
+            assert_eq!(deviating(1.0 + 1.1 * off), [DeviationKind::Error], "{place}");
+        }
+    }
+    let recorded =
+        |records: &[CaseRecord], at: usize| of_both(records).scenes["block"].cases[at].clone();
+    assert!(recorded(&both(1e-2, 1e-6, 3e-7), 1).errors.is_empty());
     // A zero error has no relative deviation.
-    let mut zero = record(4, 0.0);
-    zero.errors[0].floor = Some(0.0);
-    assert!(RecordedCase::of(&zero, &BTreeMap::new()).errors.is_empty());
+    assert!(recorded(&both(1e-2, 0.0, 0.0), 1).errors.is_empty());
 }
 
 /// Distances and measures of contact sets are recorded, to a sample of a facet: an eighth of an edge.
