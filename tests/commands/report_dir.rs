@@ -6,7 +6,7 @@
 
 use std::process::Output;
 
-use crate::program::{Folder, code, stderr, stdout, sweep};
+use crate::program::{Folder, code, ends, refuses, stderr, stdout, sweep};
 use crate::shipped::{edited, text};
 
 const STEADY: [&str; 2] = ["--n", "8,16,32"];
@@ -57,13 +57,6 @@ fn names(folder: &Folder) -> Vec<String> {
     names
 }
 
-#[test]
-fn report_rebuilds_what_run_wrote() {
-    let folder = Folder::new("report");
-    assert_eq!(run(&folder, "run", &["steady"], &STEADY), 0);
-    rebuilds(&folder, 0);
-}
-
 /// Rows stand in the order in which cases ended; the page does not depend on it.
 #[test]
 fn the_order_of_records_leaves_no_trace() {
@@ -78,8 +71,7 @@ fn the_order_of_records_leaves_no_trace() {
     let apart: Vec<&str> = (0..5).flat_map(|at| rows.lines().skip(at).step_by(5)).collect();
     for rows in [reversed, apart] {
         std::fs::write(&table, format!("{header}\n{}\n", rows.join("\n"))).expect("written");
-        let output = sweep(&["report", &folder.argument("out")]);
-        assert_eq!(code(&output), 0, "{}", stderr(&output));
+        ends(0, &["report", &folder.argument("out")]);
         assert!(std::fs::read(&page).expect("a page") == before);
     }
 }
@@ -116,7 +108,7 @@ fn damaged_records_do_not_pass() {
         let damaged: String = rows.iter().map(row).collect();
         std::fs::write(&table, format!("{header}\n{damaged}")).expect("written");
         let output = sweep(&["report", &folder.argument("out")]);
-        let verdicts = std::fs::read_to_string(folder.at("out/verdict.json")).expect("verdicts");
+        let verdicts = folder.read("out/verdict.json");
         (code(&output), verdicts)
     };
     assert_eq!(report(&|_| ()).0, 0, "undamaged");
@@ -193,8 +185,7 @@ fn report_needs_no_mesh_file() {
     let verdict = folder.at("out/verdict.json");
     let before = std::fs::read(&verdict).expect("a file");
     std::fs::remove_file(&verdict).expect("removed");
-    let output = sweep(&["report", &folder.argument("out")]);
-    assert_eq!(code(&output), 1, "{}", stderr(&output));
+    ends(1, &["report", &folder.argument("out")]);
     assert!(std::fs::read(&verdict).expect("a file") == before, "verdict.json differs");
 }
 
@@ -206,23 +197,14 @@ fn report_refuses_records_of_another_text() {
     let path = folder.file("steady.toml", &second);
     run(&folder, "run", &[&path], &STEADY);
     let out = folder.argument("out");
-    let shipped = sweep(&["report", &out, "--scenes", "manufactured"]);
-    assert_eq!(code(&shipped), 2, "judged by the shipped scene:\n{}", stdout(&shipped));
-    assert!(stderr(&shipped).contains("another text"), "{}", stderr(&shipped));
-    let by_copy = sweep(&["report", &out, "--scenes", &folder.argument("")]);
-    assert_eq!(code(&by_copy), 1, "{}", stderr(&by_copy));
+    refuses(&["report", &out, "--scenes", "manufactured"], &["another text"]);
+    ends(1, &["report", &out, "--scenes", &folder.argument("")]);
     // A kept text that was edited is not the one of the records.
     let kept = folder.at("out/provenance.json");
     let provenance = std::fs::read_to_string(&kept).expect("provenance");
     let torn = edited(&provenance, "order = 2.0", "order = 1.0");
     std::fs::write(&kept, &torn).expect("written");
-    let output = sweep(&["report", &out]);
-    assert_eq!(code(&output), 2, "{}", stdout(&output));
-    assert!(
-        stderr(&output).contains("differs from the one that the records"),
-        "{}",
-        stderr(&output)
-    );
+    refuses(&["report", &out], &["differs from the one that the records"]);
 }
 
 #[test]
@@ -311,7 +293,7 @@ fn a_typesetter_gets_directory_and_date_and_its_failure_is_one() {
     assert!(!folder.at("report.pdf").exists());
     let output = by("test -f $1/report.typ && printf '%s' $2");
     assert_eq!(code(&output), 0, "{}", stderr(&output));
-    assert_eq!(std::fs::read_to_string(folder.at("report.pdf")).expect("a file"), "2026-01-31");
+    assert_eq!(folder.read("report.pdf"), "2026-01-31");
 }
 
 /// Studies that the commands wrote into the directory are chapters of it, without a solve; one that is torn is refused.
@@ -330,8 +312,7 @@ fn studies_of_the_directory_are_chapters() {
         &["trade", "compliance", "--n", "4,8,16", "--steps", "4,8,16"],
         &["extremes", "one-vertex"],
     ] {
-        let output = sweep(&[study, &["--out", &out]].concat());
-        assert_eq!(code(&output), 0, "{study:?}: {}", stderr(&output));
+        ends(0, &[study, &["--out", &out]].concat());
     }
     let report = || sweep(&["report", &out]);
     assert_eq!(code(&report()), 0);
