@@ -2,27 +2,26 @@
 //! Goal: tangent, histories, solvers and orders of the problem without a mesh, each shown to fail on a seeded defect.
 //! Data: manufactured/abstract-*.toml, and small scenes written here.
 
+use crate::differences::order;
+use crate::shipped::{abstract_of, edited, refusal, text};
+use crate::wrong::{Weights, last_whole};
 use algebra::linalg::signed_unit;
 use nalgebra::DVector;
 use scene::setup::{AbstractLoad, AbstractSetup};
-use scene::{Scene, Source};
 use studies::theory::bound::BoundStudy;
 use vhi::finite::{FiniteError, FiniteEvolution, FiniteLoad, FiniteModel, FiniteView, march};
-use vhi::history::{TimeGrid, TimeRule, Trapezoid};
+use vhi::history::TimeGrid;
 use vhi::{FixedPoint, HistoryInequality, Newton, StepInequality, StepSolver, StepState};
 
 fn shipped(name: &str) -> AbstractSetup {
-    let path = format!("{}/manufactured/{name}.toml", env!("CARGO_MANIFEST_DIR"));
-    let scene = Scene::read(path.as_ref()).unwrap_or_else(|error| panic!("{error}"));
-    AbstractSetup::new(scene).unwrap_or_else(|error| panic!("{error}"))
+    abstract_of(text(name))
 }
 
-fn written(body: &str) -> Result<AbstractSetup, String> {
-    let text = format!(
+/// The text of a small scene.
+fn small(body: &str) -> String {
+    format!(
         "[scene]\nname = \"small\"\nkind = \"abstract\"\nquestion = \"?\"\n{body}\n[[predicts]]\nnorm = \"V_max\"\nvariable = \"k\"\norder = 2.0\nwhy = \"Theorem 7\"\n"
-    );
-    let scene = Scene::from_source(Source::from_text("small.toml", text));
-    AbstractSetup::new(scene.map_err(|e| e.to_string())?).map_err(|e| e.to_string())
+    )
 }
 
 /// max_n ‖u(t_n) - u_n‖_X.
@@ -39,23 +38,11 @@ fn error(setup: &AbstractSetup, model: &FiniteModel, steps: u32, solver: &dyn St
     largest
 }
 
-/// Slope of a straight line through (log k, log e).
-fn order(points: &[(f64, f64)]) -> f64 {
-    let count = points.len() as f64;
-    let logs: Vec<(f64, f64)> = points.iter().map(|(k, e)| (k.ln(), e.ln())).collect();
-    let mean_x = logs.iter().map(|p| p.0).sum::<f64>() / count;
-    let mean_y = logs.iter().map(|p| p.1).sum::<f64>() / count;
-    let top: f64 = logs.iter().map(|p| (p.0 - mean_x) * (p.1 - mean_y)).sum();
-    let bottom: f64 = logs.iter().map(|p| (p.0 - mean_x).powi(2)).sum();
-    top / bottom
-}
-
 fn observed(setup: &AbstractSetup, model: &FiniteModel, steps: &[u32]) -> f64 {
-    let points: Vec<(f64, f64)> = steps
-        .iter()
-        .map(|&n| (setup.grid(n).largest_step(), error(setup, model, n, &Newton::default())))
-        .collect();
-    order(&points)
+    let measured =
+        |&n: &u32| (setup.grid(n).largest_step(), error(setup, model, n, &Newton::default()));
+    let (k, errors): (Vec<f64>, Vec<f64>) = steps.iter().map(measured).unzip();
+    order(&k, &errors)
 }
 
 /// From N = 64 over six halvings.
@@ -82,18 +69,10 @@ fn contact_events_keep_order_two_in_the_mean() {
 }
 
 /// The last slot takes a whole step: order 1.
-struct WholeLastStep;
-impl TimeRule for WholeLastStep {
-    fn weight(&self, grid: &TimeGrid, n: usize, j: usize) -> f64 {
-        let whole = if j == n && n > 0 { 0.5 * grid.step(n) } else { 0.0 };
-        Trapezoid.weight(grid, n, j) + whole
-    }
-}
-
 #[test]
 fn a_wrong_weight_costs_an_order() {
     let mut setup = shipped("abstract-smooth");
-    setup.model.time_rule = Box::new(WholeLastStep);
+    setup.model.time_rule = Box::new(Weights(last_whole));
     let order = observed(&setup, &setup.model, &LADDER[..4]);
     assert!((order - 1.0).abs() < 0.05, "{order}");
 }
@@ -109,10 +88,9 @@ fn a_wrong_kernel_does_not_converge() {
 /// ∫_0^t e^{-(t-s)} sin s ds = (sin t - cos t + e^{-t})/2, and a square root at either end.
 #[test]
 fn histories_have_their_closed_forms() {
-    let setup = written(
+    let setup = abstract_of(small(
         "dimension = 2\n[time]\nhorizon = 2.0\n[operator]\nmatrix = [[3.0, 0.0], [0.0, 3.0]]\n[history]\nkernels = [{ q = \"exp(-(t - s))\", matrix = [[1.0, 0.0], [0.0, 0.0]] }, { q = \"sqrt(t - s)\", matrix = [[0.0, 0.0], [0.0, 1.0]] }]\n[exact]\nu = [\"sin(t)\", \"sqrt(t)\"]\n[sweep]\nsteps = [4]",
-    )
-    .unwrap_or_else(|error| panic!("{error}"));
+    ));
     for t in [0.0, 1e-3, 0.7, 2.0] {
         let history = &setup.state(t).history;
         let first = 0.5 * (t.sin() - t.cos() + (-t).exp());
@@ -202,7 +180,7 @@ const STUCK: &str = "dimension = 1\n[time]\nhorizon = 1.0\n[operator]\nmatrix = 
 
 #[test]
 fn set_valued_laws_are_solved_as_inclusions() {
-    let setup = written(STUCK).unwrap_or_else(|error| panic!("{error}"));
+    let setup = abstract_of(small(STUCK));
     let mut pressures = Vec::new();
     let mut observe = |view: &FiniteView<'_>| pressures.push((view.t, view.u[0], view.pressure[0]));
     march(
@@ -234,16 +212,8 @@ fn what_is_no_solution_is_refused_with_its_place() {
         ("dimension = 1", "dimension = 0", "no dimension"),
         ("kind = \"abstract\"", "kind = \"abstrct\"", "did you mean"),
     ] {
-        let text = format!(
-            "[scene]\nname = \"small\"\nkind = \"abstract\"\nquestion = \"?\"\n{STUCK}\n[[predicts]]\nnorm = \"V_max\"\nvariable = \"k\"\norder = 2.0\nwhy = \"-\"\n"
-        );
-        assert_eq!(text.matches(from).count(), 1, "{from}");
-        let scene = Scene::from_source(Source::from_text("small.toml", text.replace(from, to)));
-        let outcome = scene
-            .map_err(|error| error.to_string())
-            .and_then(|scene| AbstractSetup::new(scene).map_err(|error| error.to_string()));
-        let Err(message) = outcome else { panic!("accepted: {to}") };
-        assert!(message.contains(said) && message.contains("small.toml:"), "{to}: {message}");
+        let message = refusal(edited(&small(STUCK), from, to));
+        assert!(message.contains(said) && message.contains("edited.toml:"), "{to}: {message}");
     }
 }
 
@@ -273,10 +243,9 @@ fn the_study_of_the_step_size_holds_and_its_defects_are_seen() {
 /// One unknown, A = 2, q = 0.6: Λ has the factor (k/2)·0.6/2, the sharpened bound itself.
 #[test]
 fn a_single_unknown_attains_the_sharpened_bound() {
-    let setup = written(
+    let setup = abstract_of(small(
         "dimension = 1\n[time]\nhorizon = 1.0\n[operator]\nmatrix = [[2.0]]\n[history]\nkernels = [{ q = \"0.6 + 0*t\" }]\n[exact]\nu = [\"sin(t)\"]\n[sweep]\nsteps = [4]",
-    )
-    .unwrap_or_else(|error| panic!("{error}"));
+    ));
     let bound = BoundStudy::of_abstract(&setup, 4).unwrap_or_else(|error| panic!("{error}"));
     assert!(bound.holds(), "{:?}", bound.claims);
     let rung = &bound.study.rungs[3];

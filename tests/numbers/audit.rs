@@ -6,14 +6,14 @@
 use std::sync::{Arc, Mutex};
 
 use crate::shipped::{edited, on_mesh, setup, setup_of, text};
-use fem::contact::{BoundaryRule, MemoryTerm, Model, march};
+use crate::wrong::{Weights, first_whole, last_whole, nothing_at_zero, see_kernels};
+use fem::contact::{BoundaryRule, Model, march};
 use judge::claim::{Claim, Standing};
 use report::Findings;
 use scene::setup::{MeshData, Setup, TruthLoad};
 use studies::theory::audit::{AuditConstants, Auditor, audit, audit_case, audit_under};
 use vhi::Newton;
-use vhi::history::{TimeGrid, TimeRule, Trapezoid};
-use vhi::law::{AnyProjection, MemoryKernel, PiecewiseLinear, VonMises, YieldLimit};
+use vhi::law::{AnyProjection, PiecewiseLinear, VonMises, YieldLimit};
 
 const LINES: [&str; 9] =
     ["(2.9)", "(4.7)", "(4.9)", "(4.14)", "(4.16)", "(4.17)", "(4.19)", "(4.20)", "(5.23)"];
@@ -125,27 +125,6 @@ fn set_valued_laws_take_the_whole_interval() {
     assert!(found.holds(), "{:?}", violations(&found));
 }
 
-/// The trapezoidal rule with one full weight.
-struct FullWeight {
-    last: bool,
-}
-
-impl TimeRule for FullWeight {
-    fn weight(&self, grid: &TimeGrid, n: usize, j: usize) -> f64 {
-        let full = if self.last { n > 0 && j == n } else { n > 0 && j == 0 };
-        Trapezoid.weight(grid, n, j) * if full { 2.0 } else { 1.0 }
-    }
-}
-
-/// A kernel whose value at lag 0 is lost.
-struct NothingAtZero(Box<dyn MemoryKernel>);
-
-impl MemoryKernel for NothingAtZero {
-    fn value(&self, lag: f64) -> f64 {
-        if lag == 0.0 { 0.0 } else { self.0.value(lag) }
-    }
-}
-
 /// κ of the level before.
 struct Lagged<L> {
     sound: L,
@@ -168,15 +147,12 @@ fn another_scheme_fails_the_sum() {
     type Spoil = fn(&mut Model);
     let spoils: [(&str, [&str; 2], Spoil); 4] = [
         ("last weight", ["compliance", "pure-mild"], |model| {
-            model.time_rule = Box::new(FullWeight { last: true });
+            model.time_rule = Box::new(Weights(last_whole));
         }),
         ("first weight", ["compliance", "pure-mild"], |model| {
-            model.time_rule = Box::new(FullWeight { last: false });
+            model.time_rule = Box::new(Weights(first_whole));
         }),
-        ("kernel", ["compliance", "pure-mild"], |model| {
-            let MemoryTerm { kernel, tensor } = model.memory.remove(0);
-            model.memory = vec![MemoryTerm { kernel: Box::new(NothingAtZero(kernel)), tensor }];
-        }),
+        ("kernel", ["compliance", "pure-mild"], |model| see_kernels(model, nothing_at_zero)),
         ("law", ["affine", "in-space"], |model| {
             let points = vec![(0.0, 0.0), (0.04, 0.08), (0.10, 0.051)];
             let law = PiecewiseLinear::new(points, 0.0, 0.0).expect("a law");

@@ -3,6 +3,7 @@
 //!   different solution than either (it is no alias).
 //! Mesh: n = 8, 16, 32, N = 4. Data: compliance (both branches of the law, no constraint), pure-strong (all states).
 
+use crate::program::repository;
 use crate::shipped::{on_mesh, setup};
 use fem::contact::BoundaryRule;
 use fem::norms::StepErrors;
@@ -55,8 +56,7 @@ fn the_rules_differ_as_the_gallery_says() {
         let [vertex, gauss, _] = RULES.map(|rule| largest(name, rule, of));
         gauss / vertex
     };
-    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/docs/GALLERY.md");
-    let text = std::fs::read_to_string(path).expect("the document");
+    let text = repository("docs/GALLERY.md");
     for name in ["compliance", "law-linear"] {
         let (strain, trace) = (ratio(name, |e| e.v), ratio(name, |e| e.trace));
         println!("{name} {strain} {trace}");

@@ -3,22 +3,16 @@
 //!   point beyond (3.4), penetration of a convex gap, and how well the singular corner is integrated.
 //! Data: broken-*.toml and edited copies. `--nocapture` prints the numbers that the chapter quotes.
 
-use crate::shipped::{edited, errors, on_mesh, run, setup, text};
+use crate::shipped::{abstract_of, edited, errors, on_mesh, run, setup, text};
+use crate::wrong::KernelWeights;
 use fem::space::quadrature::gauss_legendre;
 use formula::{Graph, Variable};
 use nalgebra::DVector;
 use scene::setup::{AbstractLoad, AbstractSetup};
-use scene::{Scene, Source};
 use vhi::finite::{FiniteError, march};
 use vhi::history::{CorrectedEnd, ProductIntegration, TimeGrid, TimeRule, Trapezoid};
 use vhi::law::HistoryKernel;
 use vhi::{FixedPoint, Newton, StepError, StepSolver};
-
-fn abstract_of(text: String) -> AbstractSetup {
-    let scene = Scene::from_source(Source::from_text("manufactured/edited.toml", text));
-    AbstractSetup::new(scene.unwrap_or_else(|error| panic!("{error}")))
-        .unwrap_or_else(|error| panic!("{error}"))
-}
 
 /// max over n of ‖u(t_n) - u_n‖, and u_N.
 fn solve(
@@ -44,26 +38,6 @@ fn order(setup: &AbstractSetup) -> f64 {
     (error(setup, 128) / error(setup, 256)).log2()
 }
 
-/// Another sign of the correction.
-struct Reversed;
-
-impl TimeRule for Reversed {
-    fn weight(&self, grid: &TimeGrid, n: usize, j: usize) -> f64 {
-        Trapezoid.weight(grid, n, j)
-    }
-
-    fn kernel_weight(
-        &self,
-        kernel: &dyn HistoryKernel,
-        grid: &TimeGrid,
-        n: usize,
-        j: usize,
-    ) -> f64 {
-        let plain = Trapezoid.kernel_weight(kernel, grid, n, j);
-        2.0 * plain - CorrectedEnd { exponent: 0.5 }.kernel_weight(kernel, grid, n, j)
-    }
-}
-
 #[test]
 fn a_wrong_repair_repairs_nothing() {
     let with = |rule: Box<dyn TimeRule>| {
@@ -71,12 +45,17 @@ fn a_wrong_repair_repairs_nothing() {
         setup.model.time_rule = rule;
         order(&setup)
     };
+    // Another sign of the correction.
+    let reversed = |kernel: &dyn HistoryKernel, grid: &TimeGrid, n, j| {
+        let plain = Trapezoid.kernel_weight(kernel, grid, n, j);
+        2.0 * plain - CorrectedEnd { exponent: 0.5 }.kernel_weight(kernel, grid, n, j)
+    };
     // 2 or 1.5; the half power between them makes 0.05 of the difference at these steps.
     for (right, rule) in [
         (true, Box::new(CorrectedEnd { exponent: 0.5 }) as Box<dyn TimeRule>),
         (true, Box::new(ProductIntegration)),
         (false, Box::new(Trapezoid)),
-        (false, Box::new(Reversed)),
+        (false, Box::new(KernelWeights(reversed))),
         (false, Box::new(CorrectedEnd { exponent: 0.25 })),
         (false, Box::new(CorrectedEnd { exponent: 0.9 })),
     ] {

@@ -3,34 +3,19 @@
 //!   records or in a weight does not pass; the prediction itself is held against a derivation that shares nothing with it.
 //! Data: shipped scenes at small size; defects at `Setup::model` and in records. `--nocapture` prints the table.
 
-use crate::shipped::{edited, on_mesh, setup, setup_of, text};
-use fem::contact::MemoryTerm;
-use judge::record::{CaseRecord, Key};
+use crate::judged::{self, foreseen, records};
+use crate::shipped::{abstract_of, edited, setup, setup_of, text};
+use crate::wrong::{Weights, last_whole, see_kernels};
+use judge::record::CaseRecord;
 use judge::verdict::{Decision, FittedConstant, Foreseen, Verdict};
 use nalgebra::DVector;
-use run::leading_error::{Case, InTime, InterpolationError, MeasuredNorm, leading_errors};
-use run::sweep::{CasePlan, foresee, judge_scene, run_abstract_case, run_contact_case};
-use scene::setup::{AbstractSetup, Setup, Subject};
-use scene::{Direction, Norm, Scene, Source};
-use vhi::history::{TimeGrid, TimeRule, Trapezoid};
-use vhi::law::MemoryKernel;
-
-fn records(setup: &Setup, ns: &[u32], steps: &[u32], norm: Norm) -> Vec<CaseRecord> {
-    let mut records = Vec::new();
-    for &n in ns {
-        let data = on_mesh(setup, n);
-        for &steps in steps {
-            let case = CasePlan { n: Some(n), steps, norms: vec![norm] };
-            records.push(run_contact_case(setup, &data, &case));
-        }
-    }
-    records
-}
+use run::leading_error::InterpolationError;
+use run::sweep::{CasePlan, run_abstract_case};
+use scene::setup::{Setup, Subject};
+use scene::{Direction, Norm};
 
 fn verdicts(subject: &Subject, records: &[CaseRecord], norm: Norm) -> Vec<Verdict> {
-    let keys: Vec<Key> = records.iter().map(CaseRecord::key).collect();
-    let foreseen = foresee(subject, records);
-    let all = judge_scene(subject.scene(), records, &keys, &foreseen);
+    let all = judged::verdicts(subject, records);
     let of_norm: Vec<_> = all.into_iter().filter(|verdict| verdict.norm == norm.name()).collect();
     assert!(!of_norm.is_empty());
     of_norm
@@ -38,12 +23,6 @@ fn verdicts(subject: &Subject, records: &[CaseRecord], norm: Norm) -> Vec<Verdic
 
 fn constant(verdict: &Verdict) -> FittedConstant {
     *verdict.constants.values().next().unwrap_or_else(|| panic!("{}", verdict.reason))
-}
-
-fn abstract_of(name: &str) -> AbstractSetup {
-    let scene = Scene::from_source(Source::from_text("manufactured/scene.toml", text(name)));
-    AbstractSetup::new(scene.unwrap_or_else(|error| panic!("{error}")))
-        .unwrap_or_else(|error| panic!("{error}"))
 }
 
 fn ratio_of_bodies(name: &str, ns: &[u32], steps: &[u32], norm: Norm) -> f64 {
@@ -120,7 +99,7 @@ fn abstract_constants_are_predicted() {
         "broken-m0-near",
         "broken-m0-beyond",
     ] {
-        let setup = abstract_of(name);
+        let setup = abstract_of(text(name));
         let list: &[u32] = if name == "broken-step" { &[8, 10, 12] } else { &[64, 128, 256] };
         let norms: Vec<Norm> = setup.scene.predicts.iter().map(|written| written.norm).collect();
         assert_eq!(norms.contains(&Norm::PressureL2Max), name == "abstract-contact");
@@ -132,24 +111,6 @@ fn abstract_constants_are_predicted() {
             let ratio = shown(&verdicts(&subject, &records, norm)[0]);
             assert!((ratio - 1.0).abs() < 1e-3, "{name}, {}: {ratio}", norm.name());
         }
-    }
-}
-
-/// The trapezoidal rule with one weight changed.
-struct Weights(fn(&TimeGrid, usize, usize) -> f64);
-
-impl TimeRule for Weights {
-    fn weight(&self, grid: &TimeGrid, n: usize, j: usize) -> f64 {
-        Trapezoid.weight(grid, n, j) * (self.0)(grid, n, j)
-    }
-}
-
-/// A kernel ten percent too large.
-struct Larger(Box<dyn MemoryKernel>);
-
-impl MemoryKernel for Larger {
-    fn value(&self, lag: f64) -> f64 {
-        1.1 * self.0.value(lag)
     }
 }
 
@@ -193,18 +154,9 @@ fn seeded_factors_fail() {
         assert_eq!(verdict.reason.contains("the largest step of its grid"), step);
         assert!((ratio / expected - 1.0).abs() < 1e-4 && verdict.reason.contains("C_k is"));
     }
-    let whole_last: fn(&TimeGrid, usize, usize) -> f64 = |_, n, j| if j == n { 2.0 } else { 1.0 };
-    let weights =
-        affine_with(|setup| setup.model.time_rule = Box::new(Weights(whole_last)), |_| ());
-    let kernel = affine_with(
-        |setup| {
-            let terms = std::mem::take(&mut setup.model.memory).into_iter();
-            let larger =
-                |term: MemoryTerm| MemoryTerm { kernel: Box::new(Larger(term.kernel)), ..term };
-            setup.model.memory = terms.map(larger).collect();
-        },
-        |_| (),
-    );
+    let rule = |setup: &mut Setup| setup.model.time_rule = Box::new(Weights(last_whole));
+    let larger = |setup: &mut Setup| see_kernels(&mut setup.model, |b, lag| 1.1 * b.value(lag));
+    let (weights, kernel) = (affine_with(rule, |_| ()), affine_with(larger, |_| ()));
     for (verdict, _) in [weights, kernel] {
         assert_eq!(verdict.decision, Decision::Fail, "{}", verdict.reason);
         assert!(verdict.reason.contains("times the predicted one, beyond"), "{}", verdict.reason);
@@ -231,20 +183,16 @@ fn a_scene_may_opt_out() {
     }
 }
 
-/// What is foreseen does not know the solver's model.
 /// A sum over a past of a million steps under a kernel that is no sum of exponentials would take hours.
 #[test]
 fn a_past_too_long_for_direct_sums_is_left_out() {
     let subject = Subject::Contact(Box::new(setup("power-law")));
-    let measured =
-        MeasuredNorm { norm: Norm::VMax, variable: Direction::K, order: 2.0, time_reference: 2 };
-    let cases = [8, 1_000_000].map(|steps| Case { n: Some(4), steps });
-    let told = leading_errors(&subject, &measured, &cases, &mut InTime::default())
-        .unwrap_or_else(|e| panic!("{e}"));
+    let told = foreseen(&subject, (Norm::VMax, Direction::K, 2.0), Some(4), &[8, 1_000_000]);
     let steps: Vec<u32> = told.points.iter().map(|point| point.steps).collect();
     assert_eq!(steps, [8]);
 }
 
+/// What is foreseen does not know the solver's model.
 #[test]
 fn the_prediction_does_not_move_with_the_model() {
     let (sound, _) = affine_with(|_| (), |_| ());
@@ -266,7 +214,7 @@ fn the_prediction_does_not_move_with_the_model() {
 #[test]
 fn the_leading_truncation_gives_the_same_constant() {
     const STEPS: usize = 400;
-    let setup = abstract_of("abstract-smooth");
+    let setup = abstract_of(text("abstract-smooth"));
     let problem = setup.problem.clone();
     let rows = |list: &[Vec<f64>]| nalgebra::DMatrix::from_fn(3, 3, |i, j| list[i][j]);
     let q = |t: f64, s: f64| [-(s - t).exp() * (1.0 + 0.2 * s), (t * s).cos()];

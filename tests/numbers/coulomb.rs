@@ -4,31 +4,14 @@
 //! Mesh: n × n squares cut from lower left to upper right.
 //! Data: friction-coulomb.
 
-use crate::shipped::{edited, on_mesh, run, setup, setup_of, text, v_max};
+use crate::judged::{errors, foreseen};
+use crate::shipped::{edited, on_mesh, refusal, run, setup, setup_of, text, v_max};
+use crate::wrong::Solver;
 use algebra::linalg::{FactorError, signed_unit};
 use fem::contact::{Evolution, Friction, StepView};
-use run::leading_error::{Case, InTime, MeasuredNorm, leading_errors};
-use run::sweep::{CasePlan, run_contact_case};
 use scene::setup::{Coulomb, Setup, Subject, TruthLoad, constants};
-use scene::{Direction, Norm, Scene, Source};
-use vhi::{
-    BoundaryGraph, HistoryInequality, Newton, OpenInequality, Scratch, StepError, StepInequality,
-    StepInfo, StepSolver, StepState,
-};
-
-/// Newton's method with the symmetric part of the Jacobian alone.
-struct Symmetric(Newton);
-
-impl StepSolver for Symmetric {
-    fn solve_level(
-        &self,
-        problem: &mut dyn OpenInequality,
-        state: &mut StepState,
-        scratch: &mut Scratch,
-    ) -> Result<StepInfo, StepError> {
-        self.0.solve(&mut Deaf(problem), state, scratch)
-    }
-}
+use scene::{Direction, Norm};
+use vhi::{BoundaryGraph, HistoryInequality, Newton, OpenInequality, StepInequality};
 
 /// A level that is not told the pressures of its pieces.
 struct Deaf<'p>(&'p mut dyn OpenInequality);
@@ -71,7 +54,10 @@ fn a_symmetric_tangent_finds_the_same_later() {
         found[1] = view.u.to_vec();
         Ok(())
     };
-    let solver = Symmetric(Newton::default());
+    // Newton's method with the symmetric part of the Jacobian alone.
+    let solver = Solver(|problem: &mut dyn OpenInequality, state: &mut _, scratch: &mut _| {
+        Newton::default().solve(&mut Deaf(problem), state, scratch)
+    });
     let part = fem::contact::march(&data.space, &setup.model, &grid, &mut load, &solver, &mut see);
     let [whole, part] = [whole, part].map(|info| info.expect("a run").newton_iterations);
     let largest = found[0].iter().fold(0.0f64, |m, v| m.max(v.abs()));
@@ -99,13 +85,19 @@ fn pressure(graph: &BoundaryGraph, i: usize, u: &[f64]) -> (f64, f64) {
     graph.value_and_slope(i, jumps.iter().filter(|jump| normal > **jump).count(), normal)
 }
 
-/// J⁻¹(F(u + s d) - F(u - s d))/2s gives back d, with vertices that slip both ways on both branches of p, and one whose
-/// u_ν is prescribed; without the entries it does not.
-#[test]
-fn the_jacobian_has_the_slopes_in_u_nu() {
+/// What the Jacobian makes of a state in which vertices slip both ways.
+pub struct Slipping {
+    /// ‖J⁻¹(F(u + s d) - F(u - s d))/2s - d‖/‖d‖ with the pressures of the pieces, and without.
+    pub off: [f64; 2],
+    pub pressures: Vec<f64>,
+    /// Slopes of the pieces times their weights.
+    pub slopes: Vec<f64>,
+}
+
+/// Of a scene on n = 4, with one coordinate prescribed or none.
+pub fn slipping(setup: &Setup, pinned: Option<usize>) -> Slipping {
     const STEP: f64 = 1e-7;
-    let setup = setup("friction-coulomb");
-    let (data, grid) = (on_mesh(&setup, 4), setup.grid(4));
+    let (data, grid) = (on_mesh(setup, 4), setup.grid(4));
     let mut load = TruthLoad(&*data.truth);
     let mut level =
         Evolution::new(&data.space, &setup.model, &grid, &mut load).expect("an analysis");
@@ -124,30 +116,36 @@ fn the_jacobian_has_the_slopes_in_u_nu() {
     let right: Vec<f64> = plus.iter().zip(&minus).map(|(p, m)| (p - m) / (2.0 * STEP)).collect();
     force(&mut level, &u);
     let graph = level.graph();
-    let count = graph.coordinates.len();
-    let (pressures, slopes): (Vec<f64>, Vec<f64>) = (0..count)
-        .map(|i| {
-            let (value, slope) = pressure(graph, i, &u);
-            (value, graph.coordinates[i].weight * slope)
-        })
-        .unzip();
-    let both = [f64::lt as fn(&f64, &f64) -> bool, f64::gt];
-    assert!(both.iter().all(|is| pressures[count / 2..].iter().any(|s| is(s, &0.0))));
-    assert!(both.iter().all(|is| slopes[..count / 2].iter().any(|s| is(s, &0.0))));
+    let piece = |i: usize| {
+        let (value, slope) = pressure(graph, i, &u);
+        (value, graph.coordinates[i].weight * slope)
+    };
+    let (pressures, slopes): (Vec<f64>, Vec<f64>) = (0..graph.coordinates.len()).map(piece).unzip();
+    let mut prescribed = vec![None; slopes.len()];
+    if let Some(i) = pinned {
+        prescribed[i] = Some(d[graph.coordinates[i].dof as usize]);
+    }
+    let off = [&pressures[..], &vec![0.0; slopes.len()]].map(|pressures| {
+        let mut x = right.clone();
+        level.take_pressures(pressures);
+        level.linearize(&slopes, &prescribed).expect("a positive definite tangent");
+        level.solve(&mut x, 1e-12).expect("a solve");
+        let size = |v: &mut dyn Iterator<Item = f64>| v.map(|v| v * v).sum::<f64>().sqrt();
+        size(&mut x.iter().zip(&d).map(|(x, d)| x - d)) / size(&mut d.iter().copied())
+    });
+    Slipping { off, pressures, slopes }
+}
+
+/// With vertices that slip both ways on both branches of p, and one whose u_ν is prescribed; not without the entries.
+#[test]
+fn the_jacobian_has_the_slopes_in_u_nu() {
+    let setup = setup("friction-coulomb");
     for pinned in [None, Some(2)] {
-        let mut prescribed = vec![None; count];
-        if let Some(i) = pinned {
-            let dof = level.graph().coordinates[i].dof as usize;
-            prescribed[i] = Some(d[dof]);
-        }
-        let [whole, part] = [&pressures[..], &vec![0.0; count]].map(|pressures| {
-            let mut x = right.clone();
-            level.take_pressures(pressures);
-            level.linearize(&slopes, &prescribed).expect("a positive definite tangent");
-            level.solve(&mut x, 1e-12).expect("a solve");
-            let size = |v: &mut dyn Iterator<Item = f64>| v.map(|v| v * v).sum::<f64>().sqrt();
-            size(&mut x.iter().zip(&d).map(|(x, d)| x - d)) / size(&mut d.iter().copied())
-        });
+        let Slipping { off: [whole, part], pressures, slopes } = slipping(&setup, pinned);
+        let half = slopes.len() / 2;
+        let both = [f64::lt as fn(&f64, &f64) -> bool, f64::gt];
+        assert!(both.iter().all(|is| pressures[half..].iter().any(|s| is(s, &0.0))));
+        assert!(both.iter().all(|is| slopes[..half].iter().any(|s| is(s, &0.0))));
         // Rounding 1e-16/1e-7 times a condition of 1e2.
         assert!(whole < 1e-6 && part > 1e-2, "{pinned:?}: {whole} {part}");
     }
@@ -204,21 +202,9 @@ fn with(change: impl Fn(Friction) -> Friction) -> Setup {
 }
 
 /// The predicted error in time of a scene on n = 8 with 64 steps.
-fn foreseen(scene: &str) -> f64 {
-    let measured = MeasuredNorm {
-        norm: Norm::VTimeMax,
-        variable: Direction::K,
-        order: 2.0,
-        time_reference: 8,
-    };
+fn in_time(scene: &str) -> f64 {
     let subject = Subject::Contact(Box::new(setup_of(scene.into())));
-    let told = leading_errors(
-        &subject,
-        &measured,
-        &[Case { n: Some(8), steps: 64 }],
-        &mut InTime::default(),
-    );
-    told.unwrap_or_else(|error| panic!("{error}")).points[0].error
+    foreseen(&subject, (Norm::VTimeMax, Direction::K, 2.0), Some(8), &[64]).points[0].error
 }
 
 /// The predicted error in time counts what friction answers to u_ν: with the bound as a formula, which answers
@@ -229,10 +215,8 @@ fn the_constant_in_time_counts_the_bound_that_follows() {
     let follows = "{ kind = \"coulomb\", coefficient = \"0.4\" }";
     let given = edited(&written, follows, "\"0.4*2*0.012*(1 + t)*(1 + cos(pi*x)/2)\"");
     let setup = setup_of(written.clone());
-    let case = CasePlan { n: Some(8), steps: 64, norms: vec![Norm::VTimeMax] };
-    let record = run_contact_case(&setup, &on_mesh(&setup, 8), &case);
-    let error = record.norm("V_time_max").and_then(|entry| entry.error).expect("an error");
-    let [sound, deaf] = [&written, &given].map(|scene| (foreseen(scene) / error - 1.0).abs());
+    let error = errors(&setup, &on_mesh(&setup, 8), 8, 64, &[Norm::VTimeMax])[0];
+    let [sound, deaf] = [&written, &given].map(|scene| (in_time(scene) / error - 1.0).abs());
     // What is left of the expansion in k is of the size k²: some 1e-3 at k = 1/64 here.
     assert!(sound < 1.5e-3 && deaf > 3e-3, "{sound:e} {deaf:e}");
 }
@@ -287,13 +271,7 @@ fn what_is_wrong_is_refused() {
         (pieces, "kind = \"none\"", "without a normal law"),
         ("quadrature = \"vertex\"", "quadrature = \"gauss\"", "from the vertices"),
     ] {
-        let text = edited(&text("friction-coulomb"), from, to);
-        let scene = Scene::from_source(Source::from_text("manufactured/edited.toml", text));
-        let said = match scene.map(Setup::new) {
-            Err(error) => error.to_string(),
-            Ok(Err(error)) => error.to_string(),
-            Ok(Ok(_)) => panic!("{to} is accepted"),
-        };
+        let said = refusal(edited(&text("friction-coulomb"), from, to));
         assert!(said.contains(words), "{to}: {said}");
     }
 }

@@ -4,17 +4,17 @@
 //! Mesh: the coarsest of each scene, at most 16 cells a unit length, and at most 8 steps.
 //! Data: all judged scenes, linear-punch on a small reference.
 
-use std::path::Path;
 use std::sync::Arc;
 
-use crate::program::{code, json, stderr, stdout, sweep};
-use crate::shipped::{edited, setup, setup_of, text};
-use fem::contact::{CaseError, CaseInfo, Observer, StepView};
+use crate::program::{ends, json, stdout, sweep};
+use crate::shipped::{edited, registry, setup, setup_of, text};
+use crate::wrong::scheme;
+use fem::contact::{CaseInfo, StepView};
 use run::sweep::{
     FloorPart, FloorRow, Overrides, ScenePlan, abstract_floors, contact_floors, direct_history,
 };
-use scene::setup::{MeshData, NewtonMarch, Scheme, Setup, Subject};
-use scene::{Hypothesis, Norm, Registry};
+use scene::setup::{NewtonMarch, Scheme, Setup, Subject};
+use scene::{Hypothesis, Norm};
 use vhi::law::MemoryKernel;
 
 /// Rows whose estimate is below what was measured, or is no number.
@@ -32,8 +32,7 @@ fn floors_of(name: &str, n: u32, steps: u32, norms: &[Norm]) -> Vec<FloorRow> {
 #[test]
 #[ignore = "every scene: make test-long"]
 fn long_estimates_cover_what_is_measured_in_every_judged_scene() {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("manufactured");
-    let registry = Registry::open(&folder).expect("the folder of scenes");
+    let registry = registry();
     let (mut judged, mut open) = (0, Vec::new());
     for name in registry.names() {
         let scene = registry.load(name).expect("a shipped scene");
@@ -106,43 +105,6 @@ fn a_level_where_slip_begins_keeps_its_pressures() {
     assert!(!rows.is_empty() && uncovered(&rows).is_empty(), "{rows:#?}");
 }
 
-/// Newton's march with its solutions moved by a relative `share` on the way out: a solver that stops
-/// early and does not say so.
-struct Moved {
-    share: f64,
-}
-
-impl Scheme for Moved {
-    fn march(
-        &self,
-        setup: &Setup,
-        data: &MeshData,
-        steps: u32,
-        observe: &mut Observer<'_>,
-    ) -> Result<CaseInfo, CaseError> {
-        NewtonMarch.march(setup, data, steps, &mut |view| {
-            let u: Vec<f64> = view.u.iter().map(|u| u * (1.0 + self.share)).collect();
-            observe(&StepView { u: &u, ..*view })
-        })
-    }
-}
-
-/// The scheme without floors.
-struct Silent;
-
-impl Scheme for Silent {
-    fn march(
-        &self,
-        setup: &Setup,
-        data: &MeshData,
-        steps: u32,
-        observe: &mut Observer<'_>,
-    ) -> Result<CaseInfo, CaseError> {
-        let info = NewtonMarch.march(setup, data, steps, observe)?;
-        Ok(CaseInfo { floors: Default::default(), ..info })
-    }
-}
-
 #[test]
 fn a_solution_off_by_1e_9_and_floors_left_at_zero_are_seen() {
     let with = |scheme: Arc<dyn Scheme>| {
@@ -151,8 +113,18 @@ fn a_solution_off_by_1e_9_and_floors_left_at_zero_are_seen() {
     };
     let solver = |rows: &[FloorRow]| uncovered(rows).iter().any(|r| r.part == FloorPart::Solver);
     assert!(!solver(&with(Arc::new(NewtonMarch))));
-    assert!(solver(&with(Arc::new(Moved { share: 1e-9 }))));
-    assert!(solver(&with(Arc::new(Silent))));
+    // A solver that stops early and does not say so.
+    assert!(solver(&with(scheme(|setup, data, steps, observe| {
+        NewtonMarch.march(setup, data, steps, &mut |view| {
+            let u: Vec<f64> = view.u.iter().map(|u| u * (1.0 + 1e-9)).collect();
+            observe(&StepView { u: &u, ..*view })
+        })
+    }))));
+    // The scheme without floors.
+    assert!(solver(&with(scheme(|setup, data, steps, observe| {
+        let info = NewtonMarch.march(setup, data, steps, observe)?;
+        Ok(CaseInfo { floors: Default::default(), ..info })
+    }))));
 }
 
 /// A kernel whose exponentials are not its values.
@@ -184,8 +156,7 @@ fn a_recursion_of_another_kernel_is_seen() {
 #[test]
 fn the_command_prints_what_was_measured_beside_its_estimate() {
     let grid = ["--n", "4", "--steps", "4"];
-    let output = sweep(&[&["check", "affine", "--floors", "--json"], &grid[..]].concat());
-    assert_eq!(code(&output), 0, "{}", stderr(&output));
+    let output = ends(0, &[&["check", "affine", "--floors", "--json"], &grid[..]].concat());
     let document = json(&output);
     let rows = document["floors"].as_array().expect("rows");
     let solver: Vec<_> = rows.iter().filter(|row| row["part"] == "solver").collect();
@@ -199,8 +170,8 @@ fn the_command_prints_what_was_measured_beside_its_estimate() {
     assert!(json(&sweep(&["check", "affine", "--json"])).get("floors").is_none());
     let table = sweep(&[&["check", "broken-kink", "--floors"], &grid[2..]].concat());
     assert!(stdout(&table).contains("solver") && stdout(&table).contains("ratio"));
-    assert_eq!(code(&sweep(&["check", "affine", "--floors", "--n", "0"])), 2);
-    assert_eq!(code(&sweep(&["check", "no-such-scene", "--floors"])), 2);
+    ends(2, &["check", "affine", "--floors", "--n", "0"]);
+    ends(2, &["check", "no-such-scene", "--floors"]);
 }
 
 /// Twice as much measured as estimated is a finding: the check above can fail.

@@ -7,10 +7,10 @@
 
 use std::sync::Arc;
 
+use crate::judged;
 use crate::shipped::{on_mesh, run, setup, v_max};
 use algebra::linalg::signed_unit;
 use fem::contact::{Evolution, Friction, Model};
-use run::leading_error::{Case, InTime, MeasuredNorm, leading_errors};
 use scene::setup::{MeshData, Setup, Subject, TruthLoad};
 use scene::{Direction, Norm};
 use vhi::law::PiecewiseLinear;
@@ -184,16 +184,8 @@ fn found(setup: &Setup, model: &Model, data: &[MeshData; 2], predicted: f64) -> 
 
 /// The leading error on n = 8, and the share by which a sound one may differ.
 fn foreseen(setup: Setup) -> (f64, f64) {
-    let measured =
-        MeasuredNorm { norm: Norm::VMax, variable: Direction::H, order: 1.0, time_reference: 8 };
     let subject = Subject::Contact(Box::new(setup));
-    let told = leading_errors(
-        &subject,
-        &measured,
-        &[Case { n: Some(8), steps: 2 }],
-        &mut InTime::default(),
-    );
-    let told = told.unwrap_or_else(|error| panic!("{error}"));
+    let told = judged::foreseen(&subject, (Norm::VMax, Direction::H, 1.0), Some(8), &[2]);
     (told.points[0].error, told.tolerance)
 }
 

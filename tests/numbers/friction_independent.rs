@@ -5,6 +5,7 @@
 //! Mesh: squares cut from lower left to upper right; cubes of six tetrahedra.
 //! Data: tests/independent/friction-….toml.
 
+use crate::program::repository;
 use std::sync::Arc;
 
 use crate::shipped::{fixture, on_mesh, run, setup_of};
@@ -17,8 +18,7 @@ const CASES: [&str; 7] =
     ["coulomb", "falling", "bilateral", "box", "box-coulomb", "box-falling", "box-time"];
 
 fn independent(name: &str) -> Setup {
-    let path = format!("{}/tests/independent/friction-{name}.toml", env!("CARGO_MANIFEST_DIR"));
-    setup_of(std::fs::read_to_string(path).expect("a scene"))
+    setup_of(repository(&format!("tests/independent/friction-{name}.toml")))
 }
 
 /// A vector at each place.

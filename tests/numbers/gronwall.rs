@@ -18,17 +18,18 @@
 //! "no": the effectivities of the weighted envelope, 2.9, 3.7 and 3.5, leave room for the defect. In long-growing it is
 //! 1.003. A weight or a kernel value that is wrong at O(k) is far above any envelope, which is O(k²).
 
-use crate::shipped::{edited, setup, setup_of, text};
+use crate::shipped::{edited, registry, scene_of, setup, setup_of, text};
+use crate::wrong::{KernelWeights, Weights, first_whole, last_whole, nothing_at_zero, see_kernels};
 use fem::contact::Model;
 use judge::claim::{Claim, Place};
+use scene::Hypothesis;
 use scene::setup::{Setup, Subject};
-use scene::{Hypothesis, Registry, Scene, Source};
 use studies::study::StudyError;
 use studies::theory::gronwall::{
     ContactInTime, Envelopes, Estimate, GronwallConstants, InTime, TemporalTruth, prepare,
 };
-use vhi::history::{ProductIntegration, TimeGrid, TimeRule, Trapezoid};
-use vhi::law::{AnyProjection, HistoryKernel, MemoryKernel, VonMises, YieldLimit};
+use vhi::history::{ProductIntegration, TimeGrid, TimeRule};
+use vhi::law::{AnyProjection, HistoryKernel, VonMises, YieldLimit};
 
 const STEPS: u32 = 128;
 /// Scenes with an exact state in V^h, and their meshes.
@@ -102,8 +103,7 @@ fn the_chain_holds_on_every_scene_with_history() {
 #[test]
 #[ignore = "seconds for each scene: make test-long"]
 fn long_no_shipped_scene_violates_the_chain() {
-    let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("manufactured");
-    let registry = Registry::open(&folder).expect("scenes");
+    let registry = registry();
     let (mut held, mut refused) = (Vec::new(), Vec::new());
     for name in registry.names() {
         let scene = registry.load(name).unwrap_or_else(|error| panic!("{error}"));
@@ -130,30 +130,6 @@ fn long_no_shipped_scene_violates_the_chain() {
     assert!(held.len() >= 22 && refused.contains(&"steady".to_string()), "{held:?} {refused:?}");
 }
 
-struct LastWeight;
-impl TimeRule for LastWeight {
-    fn weight(&self, grid: &TimeGrid, n: usize, j: usize) -> f64 {
-        let right = Trapezoid.weight(grid, n, j);
-        if j == n { 2.0 * right } else { right }
-    }
-}
-
-struct FirstWeight;
-impl TimeRule for FirstWeight {
-    fn weight(&self, grid: &TimeGrid, n: usize, j: usize) -> f64 {
-        let right = Trapezoid.weight(grid, n, j);
-        if j == 0 { 2.0 * right } else { right }
-    }
-}
-
-/// The kernel -exp(-t) of these scenes without its value at lag 0.
-struct NothingAtZero;
-impl MemoryKernel for NothingAtZero {
-    fn value(&self, lag: f64) -> f64 {
-        if lag == 0.0 { 0.0 } else { -(-lag).exp() }
-    }
-}
-
 /// κ at the accumulated strain of the step before: ζ_n is mapped to ζ_{n-1} of the exact solution.
 struct Lagged {
     zeta: Vec<f64>,
@@ -177,16 +153,16 @@ fn defects_of_the_solver_are_caught() {
         let case = case(name, n);
         assert!(!caught(&right(&case)), "{name}");
         let mut wrong = setup(name).model;
-        wrong.time_rule = Box::new(LastWeight);
+        wrong.time_rule = Box::new(Weights(last_whole));
         assert!(caught(&run_of(&case, &wrong)), "{name}: last weight");
-        wrong.time_rule = Box::new(FirstWeight);
+        wrong.time_rule = Box::new(Weights(first_whole));
         let starts_at_rest = ["affine", "long-growing"].contains(&name);
         assert_eq!(caught(&run_of(&case, &wrong)), !starts_at_rest, "{name}: first weight");
     }
     for (name, n) in EXACT {
         let case = case(name, n);
         let mut wrong = setup(name).model;
-        wrong.memory[0].kernel = Box::new(NothingAtZero);
+        see_kernels(&mut wrong, nothing_at_zero);
         assert!(caught(&run_of(&case, &wrong)), "{name}: no value at lag 0");
         let levels = case.truth.levels(&setup(name), STEPS).expect("levels");
         let limit = Lagged { zeta: levels.iter().map(|level| level.zeta).collect() };
@@ -244,25 +220,8 @@ fn the_chain_holds_on_quadratic_elements() {
         let (error, bound) = (run.error[128], envelopes.weighted[128]);
         assert!(error > 1e3 * run.floor && bound < 10.0 * error, "{name}: {bound} {error}");
         let mut wrong = setup_of(text.clone()).model;
-        wrong.time_rule = Box::new(LastWeight);
+        wrong.time_rule = Box::new(Weights(last_whole));
         assert!(caught(&run_of(&case, &wrong)), "{name}: last weight");
-    }
-}
-
-/// Product integration with a wrong weight.
-struct WrongProduct(fn(usize, usize) -> f64);
-impl TimeRule for WrongProduct {
-    fn weight(&self, grid: &TimeGrid, n: usize, j: usize) -> f64 {
-        ProductIntegration.weight(grid, n, j)
-    }
-    fn kernel_weight(
-        &self,
-        kernel: &dyn HistoryKernel,
-        grid: &TimeGrid,
-        n: usize,
-        j: usize,
-    ) -> f64 {
-        self.0(n, j) * ProductIntegration.kernel_weight(kernel, grid, n, j)
     }
 }
 
@@ -272,9 +231,13 @@ fn defects_are_caught_where_the_kernel_is_infinite_at_lag_zero() {
     let case = case("singular-contact", 2);
     let run = right(&case);
     assert_eq!(violations(&run), []);
+    // Product integration with a wrong weight.
     let with = |factor: fn(usize, usize) -> f64| {
         let mut wrong = setup("singular-contact").model;
-        wrong.time_rule = Box::new(WrongProduct(factor));
+        wrong.time_rule =
+            Box::new(KernelWeights(move |kernel: &dyn HistoryKernel, grid: &TimeGrid, n, j| {
+                factor(n, j) * ProductIntegration.kernel_weight(kernel, grid, n, j)
+            }));
         caught(&run_of(&case, &wrong))
     };
     assert!(!with(|_, _| 1.0));
@@ -291,8 +254,7 @@ fn defects_are_caught_where_the_kernel_is_infinite_at_lag_zero() {
     let low = changed(&|run| run.parts[0].supremum *= 0.5);
     assert!(low.contains(&"weighted <= primed envelope"), "{low:?}");
     for name in ["singular-smooth", "singular-start", "singular-graded"] {
-        let scene = Scene::from_source(Source::from_text("manufactured/scene.toml", text(name)));
-        let subject = Subject::new(scene.expect("a scene")).expect("a problem");
+        let subject = Subject::new(scene_of(text(name))).expect("a problem");
         let in_time = prepare(&subject, None, &[64]).expect("constants");
         let mut run = in_time.measure(64).expect("a run");
         assert_eq!(violations(&run), [], "{name}");
@@ -310,7 +272,7 @@ fn friction_is_taken_where_it_takes_nothing_from_m0() {
     }
     let case = case("friction-front", 8);
     let mut wrong = setup("friction-front").model;
-    wrong.time_rule = Box::new(LastWeight);
+    wrong.time_rule = Box::new(Weights(last_whole));
     assert!(violations(&right(&case)).is_empty() && caught(&run_of(&case, &wrong)));
 }
 

@@ -29,6 +29,7 @@ mod friction_independent;
 mod friction_space;
 mod gronwall;
 mod histories;
+mod judged;
 mod keys;
 mod laws;
 mod load_totals;
@@ -61,3 +62,4 @@ mod trace_constants;
 mod trade;
 #[path = "../turned/mod.rs"]
 mod turned;
+mod wrong;

@@ -4,21 +4,14 @@
 //!   program finds; those of wrong kernels, rules or beginnings are not. The repeated weights are the double sums.
 //! Data: the scenes nested-left, short-memory, nested-body and short-memory-time.
 
-use fem::contact::MemoryTerm;
 use scene::setup::{AbstractLoad, AbstractSetup};
-use scene::{Scene, Source};
 use vhi::Newton;
 use vhi::finite::march;
 use vhi::history::{Left, Memory, Right, TimeGrid, TimeRule, Trapezoid, last_weight};
 use vhi::law::{ExponentialSum, MemoryKernel, Nested};
 
-use crate::shipped::{fixture, number, on_mesh, setup, text, v_max};
-
-fn scene(name: &str) -> AbstractSetup {
-    let scene = Scene::from_source(Source::from_text("manufactured/edited.toml", text(name)));
-    let scene = scene.unwrap_or_else(|error| panic!("{error}"));
-    AbstractSetup::new(scene).unwrap_or_else(|error| panic!("{error}"))
-}
+use crate::shipped::{abstract_of, fixture, number, on_mesh, setup, text, v_max};
+use crate::wrong::see_kernels;
 
 /// The largest difference of a component of u_0, …, u_N over the largest component.
 fn off(setup: &AbstractSetup, name: &str) -> f64 {
@@ -42,7 +35,7 @@ fn off(setup: &AbstractSetup, name: &str) -> f64 {
 #[test]
 fn another_program_finds_the_same() {
     for name in ["nested-left", "short-memory"] {
-        let off = off(&scene(name), name);
+        let off = off(&abstract_of(text(name)), name);
         println!("{name}: {off:.1e}");
         assert!(off <= 1e-9, "{name}: {off:e}");
     }
@@ -64,7 +57,7 @@ fn wrong_histories_are_not_what_another_program_finds() {
         ("short-memory", |setup| setup.model.kernels[1].inner = None),
     ];
     for (name, change) in wrong {
-        let mut setup = scene(name);
+        let mut setup = abstract_of(text(name));
         change(&mut setup);
         // A million times what is allowed.
         let off = off(&setup, name);
@@ -106,20 +99,13 @@ fn repeated_sums_are_double_sums() {
 /// A body without its inner history has another error; so has one whose displacement begins with the first velocity.
 #[test]
 fn wrong_histories_of_a_body_move_its_error() {
-    struct Outer(Box<dyn MemoryKernel>);
-    impl MemoryKernel for Outer {
-        fn value(&self, lag: f64) -> f64 {
-            self.0.nested().map_or_else(|| self.0.value(lag), |[outer, _]| outer.value(lag))
-        }
-    }
     for (name, steps) in [("nested-body", 64), ("short-memory-time", 64)] {
         let mut wrong = setup(name);
         let data = on_mesh(&wrong, 2);
         let sound = v_max(&wrong, &wrong.model, &data, steps);
-        let terms = std::mem::take(&mut wrong.model.memory);
-        let outer =
-            |MemoryTerm { kernel, tensor }| MemoryTerm { kernel: Box::new(Outer(kernel)), tensor };
-        wrong.model.memory = terms.into_iter().map(outer).collect();
+        see_kernels(&mut wrong.model, |b, lag| {
+            b.nested().map_or_else(|| b.value(lag), |[outer, _]| outer.value(lag))
+        });
         let off = v_max(&wrong, &wrong.model, &data, steps);
         assert!(off > 3.0 * sound, "{name}: {off:e} {sound:e}");
     }

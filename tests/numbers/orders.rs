@@ -4,27 +4,18 @@
 //! Mesh: n × n squares cut from lower left to upper right.
 //! Data: in-space (n = 8; nothing but time is discretised), steady (no time), viscoelastic (smooth, for the integral).
 
+use crate::differences::order;
 use crate::shipped::{errors, on_mesh, relative, run, setup, v_max};
+use crate::wrong::{Limit, Weights, lagged, nothing_at_zero, rectangle, see_kernels};
 use exact::Exact;
 use fem::contact::{Model, StepView};
 use fem::space::quadrature::gauss_legendre;
 use formula::{EvaluationPoint, Node, Variable};
 use scene::setup::{MeshData, Setup};
-use vhi::history::{TimeGrid, TimeRule, Trapezoid};
-use vhi::law::{AnyProjection, MemoryKernel, VonMises, YieldLimit};
+use vhi::history::TimeGrid;
+use vhi::law::{AnyProjection, MemoryKernel, VonMises};
 
 const STEPS: [u32; 4] = [8, 16, 32, 64];
-
-/// The slope of log(error) over log(h) by least squares.
-fn order(steps: &[f64], errors: &[f64]) -> f64 {
-    assert!(errors.iter().all(|e| e.is_finite() && *e > 0.0), "{errors:?}");
-    let (x, y): (Vec<f64>, Vec<f64>) =
-        steps.iter().zip(errors).map(|(h, e)| (h.ln(), e.ln())).unzip();
-    let mean = |list: &[f64]| list.iter().sum::<f64>() / list.len() as f64;
-    let (mx, my) = (mean(&x), mean(&y));
-    let product: f64 = x.iter().zip(&y).map(|(x, y)| (x - mx) * (y - my)).sum();
-    product / x.iter().map(|x| (x - mx).powi(2)).sum::<f64>()
-}
 
 /// Errors on the in-space scene at n = 8 of a model that may be wrong, and their order in k.
 fn in_time(setup: &Setup, data: &MeshData, model: &Model) -> (f64, f64) {
@@ -59,57 +50,10 @@ fn order_one_in_space() {
     assert!((0.95..=1.05).contains(&order), "{order}");
 }
 
-/// Right-hand rectangle rule.
-struct Rectangle;
-
-impl TimeRule for Rectangle {
-    fn weight(&self, grid: &TimeGrid, n: usize, j: usize) -> f64 {
-        if n == 0 || j == 0 { 0.0 } else { grid.step(j) }
-    }
-}
-
-/// The last weight on the level before: an explicit history.
-struct Lagged;
-
-impl TimeRule for Lagged {
-    fn weight(&self, grid: &TimeGrid, n: usize, j: usize) -> f64 {
-        match n - j {
-            0 => 0.0,
-            1 => Trapezoid.weight(grid, n, j) + Trapezoid.weight(grid, n, n),
-            _ => Trapezoid.weight(grid, n, j),
-        }
-    }
-}
-
-/// -exp(-t) with another value at lag 0.
-struct Kernel {
-    at_zero: f64,
-}
-
-impl MemoryKernel for Kernel {
-    fn value(&self, lag: f64) -> f64 {
-        if lag == 0.0 { self.at_zero } else { -(-lag).exp() }
-    }
-}
-
-/// κ(ζ) = 0.10 + slope·ζ.
-struct Limit {
-    slope: f64,
-}
-
-impl YieldLimit for Limit {
-    fn value(&self, zeta: f64) -> f64 {
-        0.10 + self.slope * zeta
-    }
-
-    fn slope(&self, _: f64) -> f64 {
-        self.slope
-    }
-}
-
 /// The model of `setup` with κ = 0.10 + slope·ζ.
 fn with_limit(setup: Setup, slope: f64) -> Model {
-    let projection = Some(AnyProjection::new(VonMises { mu: 1.0, limit: Limit { slope } }));
+    let projection =
+        Some(AnyProjection::new(VonMises { mu: 1.0, limit: Limit { start: 0.1, slope } }));
     Model { projection, ..setup.model }
 }
 
@@ -119,18 +63,21 @@ fn with_limit(setup: Setup, slope: f64) -> Model {
 fn defects_in_time_leave_order_two() {
     let sound = setup("in-space");
     let data = on_mesh(&sound, 8);
-    let with_rule = |rule: Box<dyn TimeRule>| Model { time_rule: rule, ..setup("in-space").model };
-    let with_kernel = |at_zero: f64| {
+    let with_rule = |weights: fn(&TimeGrid, usize, usize) -> f64| Model {
+        time_rule: Box::new(Weights(weights)),
+        ..setup("in-space").model
+    };
+    let with_kernel = |seen: fn(&dyn MemoryKernel, f64) -> f64| {
         let mut model = setup("in-space").model;
-        model.memory[0].kernel = Box::new(Kernel { at_zero });
+        see_kernels(&mut model, seen);
         model
     };
-    let (order, finest) = in_time(&sound, &data, &with_kernel(-1.0));
+    let (order, finest) = in_time(&sound, &data, &with_kernel(|b, lag| b.value(lag)));
     assert!((1.9..=2.1).contains(&order), "the direct sum: {order}");
     let found = [
-        ("rectangle rule", in_time(&sound, &data, &with_rule(Box::new(Rectangle)))),
-        ("lagged last weight", in_time(&sound, &data, &with_rule(Box::new(Lagged)))),
-        ("no kernel at lag 0", in_time(&sound, &data, &with_kernel(0.0))),
+        ("rectangle rule", in_time(&sound, &data, &with_rule(rectangle))),
+        ("lagged last weight", in_time(&sound, &data, &with_rule(lagged))),
+        ("no kernel at lag 0", in_time(&sound, &data, &with_kernel(nothing_at_zero))),
         ("constant yield limit", in_time(&sound, &data, &with_limit(setup("in-space"), 0.0))),
     ];
     for (defect, (order, error)) in found {

@@ -5,20 +5,19 @@
 //! Data: the scenes quadratic-…; a body that holds a quadratic displacement at all times.
 
 use super::differences::mismatch;
+use crate::program::repository;
 use crate::shipped::{
-    Change, edited, errors, fixture, midpoints_between_corners, on_mesh, run, setup, setup_of,
-    text, v_max, v_max_on_changed, weigh_facets,
+    Change, edited, errors, fixture, midpoints_between_corners, on_mesh, refusal, run, setup,
+    setup_of, text, v_max, v_max_on_changed, weigh_facets,
 };
 use algebra::linalg::signed_unit;
 use fem::contact::{ContactProblem, LastSlot, StepView};
 use fem::norms::step_errors;
 use fem::space::Element;
 use scene::setup::Setup;
-use scene::{Scene, Source};
 
 fn independent(name: &str) -> Setup {
-    let path = format!("{}/tests/independent/quadratic-{name}.toml", env!("CARGO_MANIFEST_DIR"));
-    setup_of(std::fs::read_to_string(path).expect("a scene"))
+    setup_of(repository(&format!("tests/independent/quadratic-{name}.toml")))
 }
 
 /// A cuboid with memory and a law on its bottom.
@@ -275,12 +274,8 @@ fn midpoints_between_their_corners_have_order_one() {
 #[test]
 fn what_has_no_quadratic_form_is_refused() {
     let scene = text("quadratic-compliance");
-    let refused = |text: String| {
-        let read = Scene::from_source(Source::from_text("manufactured/edited.toml", text));
-        read.expect_err("a refusal").to_string()
-    };
-    let p3 = refused(edited(&scene, "element = \"P2\"", "element = \"P3\""));
+    let p3 = refusal(edited(&scene, "element = \"P2\"", "element = \"P3\""));
     assert!(p3.contains("unknown value `P3` of `element`") && p3.contains("P1, P2"), "{p3}");
-    let gauss = refused(edited(&scene, "quadrature = \"vertex\"", "quadrature = \"gauss\""));
+    let gauss = refusal(edited(&scene, "quadrature = \"vertex\"", "quadrature = \"gauss\""));
     assert!(gauss.contains("Simpson") && gauss.contains("take P1"), "{gauss}");
 }

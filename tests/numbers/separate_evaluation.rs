@@ -3,34 +3,25 @@
 //!   hands back a wrong state ends in an error and not in a result.
 //! Mesh: 8 × 8 squares for `punch`; none for `abstract-contact`.
 
-use crate::shipped::{on_mesh, setup};
+use crate::shipped::{abstract_of, on_mesh, setup, text};
+use crate::wrong::Solver;
 use fem::contact::CaseError;
-use scene::Scene;
-use scene::setup::AbstractSetup;
 use vhi::finite::FiniteError;
-use vhi::{Newton, OpenInequality, Scratch, StepError, StepInfo, StepSolver, StepState};
+use vhi::{Newton, OpenInequality, StepSolver, StepState};
 
 /// Newton's method, with a hand in its result.
-struct Tampered(fn(&mut StepState));
-impl StepSolver for Tampered {
-    fn solve_level(
-        &self,
-        problem: &mut dyn OpenInequality,
-        state: &mut StepState,
-        scratch: &mut Scratch,
-    ) -> Result<StepInfo, StepError> {
+fn tampered(tamper: fn(&mut StepState)) -> impl StepSolver {
+    Solver(move |problem: &mut dyn OpenInequality, state: &mut _, scratch: &mut _| {
         let info = Newton::default().solve(problem, state, scratch)?;
-        (self.0)(state);
+        tamper(state);
         Ok(info)
-    }
+    })
 }
 
 #[test]
 fn wrong_states_are_refused_without_a_mesh() {
-    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/manufactured/abstract-contact.toml");
-    let scene = Scene::read(path.as_ref()).unwrap_or_else(|error| panic!("{error}"));
-    let setup = AbstractSetup::new(scene).unwrap_or_else(|error| panic!("{error}"));
-    let run = |tamper: fn(&mut StepState)| setup.run(64, &Tampered(tamper)).map(|run| run.error);
+    let setup = abstract_of(text("abstract-contact"));
+    let run = |tamper: fn(&mut StepState)| setup.run(64, &tampered(tamper)).map(|run| run.error);
     assert!(run(|_| ()).is_ok());
     // Forces off by 1e-10 of their size; a pressure beyond the law between the bounds, and one missing on a bound.
     let wrong: [fn(&mut StepState); 3] = [
@@ -49,7 +40,7 @@ fn wrong_states_are_refused_on_a_mesh() {
     let setup = setup("punch");
     let data = on_mesh(&setup, 8);
     let run = |tamper: fn(&mut StepState)| {
-        data.march(&setup, 8, &Tampered(tamper), &mut |_| Ok(())).map(|info| info.kkt_residual)
+        data.march(&setup, 8, &tampered(tamper), &mut |_| Ok(())).map(|info| info.kkt_residual)
     };
     assert!(run(|_| ()).is_ok());
     // Displacements and pressures here are about 0.1; 1e-9 of the forces is what a result may be off.

@@ -4,16 +4,17 @@
 //!   at s = t refuse them.
 //! Data: u + ∫ (t-s)^{-1/2}/√π u ds = 1, u = E_{1/2}(-√t), by its series; singular-*.toml and edited copies.
 
-use crate::shipped::{edited, on_mesh, setup_of, text, v_max};
+use crate::judged::foreseen;
+use crate::shipped::{abstract_of, edited, on_mesh, refusal, scene_of, setup_of, text, v_max};
+use crate::wrong::KernelWeights;
 use nalgebra::DVector;
-use run::leading_error::{Case, InTime, MeasuredNorm, leading_errors};
 use scene::setup::{AbstractLoad, AbstractSetup, Subject};
-use scene::{Direction, Extension, Norm, Scene, Source};
+use scene::{Direction, Extension, Norm};
 use studies::guarantee::guarantee;
 use studies::theory::audit::audit;
 use vhi::Newton;
 use vhi::finite::march;
-use vhi::history::{ProductIntegration, TimeGrid, TimeRule, Trapezoid};
+use vhi::history::{ProductIntegration, TimeGrid, TimeRule};
 use vhi::law::{Convolution, ExponentialSum, HistoryKernel, Singular};
 
 /// E_{1/2}(-x) = Σ (-x)^i/Γ(i/2 + 1), for x ≤ 1.
@@ -65,19 +66,15 @@ fn the_solution_of_a_smooth_load_has_the_orders_that_the_scenes_predict() {
 }
 
 /// Weights of a kernel (t-s)^{-a} b on one step of lags near, near + k, at the far and at the near end; else the sound ones.
-struct Wrong(fn(a: f64, near: f64, k: f64) -> [f64; 2]);
+type OfStep = fn(a: f64, near: f64, k: f64) -> [f64; 2];
 
-impl TimeRule for Wrong {
-    fn weight(&self, grid: &TimeGrid, n: usize, j: usize) -> f64 {
-        Trapezoid.weight(grid, n, j)
-    }
-
-    fn kernel_weight(&self, q: &dyn HistoryKernel, grid: &TimeGrid, n: usize, j: usize) -> f64 {
-        let of_step = |i: usize| (self.0)(q.power(), grid.lag(n, i), grid.step(i));
+fn of_steps(of_step: OfStep) -> Box<dyn TimeRule> {
+    Box::new(KernelWeights(move |q: &dyn HistoryKernel, grid: &TimeGrid, n, j| {
+        let of_step = |i: usize| of_step(q.power(), grid.lag(n, i), grid.step(i));
         let before = if j > 0 { of_step(j)[1] } else { 0.0 };
         let after = if j < n { of_step(j + 1)[0] } else { 0.0 };
         (before + after) * q.factor(grid.time(n), grid.time(j))
-    }
+    }))
 }
 
 /// ∫ λ^{-a} over the lags of a step.
@@ -92,47 +89,29 @@ fn sound(a: f64, near: f64, k: f64) -> [f64; 2] {
     [far, whole(a, near, k) - far]
 }
 
-const RULES: [(&str, Wrong); 6] = [
-    ("sound", Wrong(sound)),
-    (
-        "ends of the last step exchanged",
-        Wrong(|a, near, k| {
-            let [far, near_end] = sound(a, near, k);
-            if near > 0.0 { [far, near_end] } else { [near_end, far] }
-        }),
-    ),
-    (
-        "trapezoidal, the power at midpoints",
-        Wrong(|a, near, k| {
-            let half = 0.5 * k * (near + 0.5 * k).powf(-a);
-            [half, half]
-        }),
-    ),
-    ("power integrated, values of the far end", Wrong(|a, near, k| [whole(a, near, k), 0.0])),
-    (
-        "power integrated, means of both ends",
-        Wrong(|a, near, k| {
-            let half = 0.5 * whole(a, near, k);
-            [half, half]
-        }),
-    ),
-    (
-        "another exponent on the last step",
-        Wrong(|a, near, k| sound(if near > 0.0 { a } else { 0.98 * a }, near, k)),
-    ),
+const RULES: [(&str, OfStep); 6] = [
+    ("sound", sound),
+    ("ends of the last step exchanged", |a, near, k| {
+        let [far, near_end] = sound(a, near, k);
+        if near > 0.0 { [far, near_end] } else { [near_end, far] }
+    }),
+    ("trapezoidal, the power at midpoints", |a, near, k| {
+        let half = 0.5 * k * (near + 0.5 * k).powf(-a);
+        [half, half]
+    }),
+    ("power integrated, values of the far end", |a, near, k| [whole(a, near, k), 0.0]),
+    ("power integrated, means of both ends", |a, near, k| {
+        let half = 0.5 * whole(a, near, k);
+        [half, half]
+    }),
+    ("another exponent on the last step", |a, near, k| {
+        sound(if near > 0.0 { a } else { 0.98 * a }, near, k)
+    }),
 ];
 
 /// Errors over their predictions, and the order between the last two.
 fn seen(errors: [f64; 2], subject: &Subject, n: Option<u32>, steps: [u32; 2]) -> (f64, f64) {
-    let measured =
-        MeasuredNorm { norm: Norm::VMax, variable: Direction::K, order: 2.0, time_reference: 8 };
-    let told = leading_errors(
-        subject,
-        &measured,
-        &steps.map(|steps| Case { n, steps }),
-        &mut InTime::default(),
-    );
-    let told = told.unwrap_or_else(|error| panic!("{error}"));
+    let told = foreseen(subject, (Norm::VMax, Direction::K, 2.0), n, &steps);
     (errors[1] / told.points[1].error, (errors[0] / errors[1]).log2())
 }
 
@@ -141,12 +120,6 @@ fn judge(name: &str, scene: &str, order: f64, (ratio, slope): (f64, f64)) {
     // The tolerances of the gate: 1e-4 of the constant, 0.15 of the order.
     let passes = (ratio - 1.0).abs() < 1e-4 && (slope - order).abs() < 0.15;
     assert_eq!(passes, name == "sound", "{scene}, {name}: {ratio} {slope}");
-}
-
-fn abstract_of(text: String) -> AbstractSetup {
-    let scene = Scene::from_source(Source::from_text("manufactured/edited.toml", text));
-    AbstractSetup::new(scene.unwrap_or_else(|error| panic!("{error}")))
-        .unwrap_or_else(|error| panic!("{error}"))
 }
 
 fn error(setup: &AbstractSetup, steps: u32) -> f64 {
@@ -167,7 +140,7 @@ fn wrong_weights_are_seen_by_order_or_constant() {
     {
         for (name, rule) in RULES {
             let mut setup = abstract_of(text(scene));
-            setup.model.time_rule = Box::new(rule);
+            setup.model.time_rule = of_steps(rule);
             let errors = [128, 256].map(|steps| error(&setup, steps));
             let subject = Subject::Abstract(Box::new(setup));
             judge(name, scene, order, seen(errors, &subject, None, [128, 256]));
@@ -179,7 +152,7 @@ fn wrong_weights_are_seen_by_order_or_constant() {
 fn wrong_weights_are_seen_in_a_body_in_contact() {
     for (name, rule) in RULES {
         let mut setup = setup_of(text("singular-contact"));
-        setup.model.time_rule = Box::new(rule);
+        setup.model.time_rule = of_steps(rule);
         let data = on_mesh(&setup, 2);
         let errors = [64, 128].map(|steps| v_max(&setup, &setup.model, &data, steps));
         let subject = Subject::Contact(Box::new(setup));
@@ -215,14 +188,10 @@ fn the_step_bound_counts_the_last_weight() {
 /// From the library too, not from the command line alone.
 #[test]
 fn commands_that_take_kernels_at_lag_zero_refuse_singular_ones() {
-    let body = || setup_of(text("singular-contact"));
-    let said = |error: &dyn std::error::Error| error.to_string();
-    let refused = [("audit", audit(&body(), &[2], &[4]).map(drop).map_err(|e| said(&e)))];
-    for (study, result) in refused {
-        let said = result.expect_err(study);
-        let expected = format!("`sweep {study}` does not treat kernels that are infinite at s = t");
-        assert!(said.contains(&expected), "{study}: {said}");
-    }
+    let refused = audit(&setup_of(text("singular-contact")), &[2], &[4]).map(drop);
+    let said = refused.expect_err("a refusal").to_string();
+    let expected = "`sweep audit` does not treat kernels that are infinite at s = t";
+    assert!(said.contains(expected), "{said}");
 }
 
 /// The guaranteed bound takes the weights of the rule, whatever the kernel: it holds, and without the memory of the bound
@@ -245,11 +214,6 @@ fn the_guaranteed_bound_takes_singular_kernels() {
 /// A formula that is infinite itself, a rule that takes its value, an exponent that is none.
 #[test]
 fn what_cannot_be_integrated_is_refused_with_the_way_out() {
-    let refusal = |name: &str, from: &str, to: &str| {
-        let text = edited(&text(name), from, to);
-        let scene = Scene::from_source(Source::from_text("manufactured/edited.toml", text));
-        scene.map(drop).expect_err(to).to_string()
-    };
     let smooth = "singular = 0.5, ";
     let rule = "rule = \"product-integration\"";
     for (name, from, to, parts) in [
@@ -290,7 +254,7 @@ fn what_cannot_be_integrated_is_refused_with_the_way_out() {
             ["q(t, s) is inf at s = t", "singular = a"],
         ),
     ] {
-        let said = refusal(name, from, to);
+        let said = refusal(edited(&text(name), from, to));
         assert!(parts.iter().all(|part| said.contains(part)), "{to}: {said}");
     }
 }
@@ -303,12 +267,9 @@ fn a_region_with_such_a_kernel_is_named() {
     let alone = edited(&alone, "[contact]", region);
     let line = 1 + alone.lines().position(|text| text == "singular = 0.4").expect("the line");
     let place = format!("manufactured/edited.toml:{line}:");
-    let read =
-        |text: String| Scene::from_source(Source::from_text("manufactured/edited.toml", text));
-    let by_rule = read(edited(&alone, "product-integration", "trapezoid")).map(drop);
-    let by_command = read(alone).expect("a scene").without(&Extension::ALL, "sweep audit", "why");
-    for refused in [by_rule, by_command] {
-        let said = refused.expect_err("a refusal").to_string();
+    let by_rule = refusal(edited(&alone, "product-integration", "trapezoid"));
+    let by_command = scene_of(alone).without(&Extension::ALL, "sweep audit", "why");
+    for said in [by_rule, by_command.expect_err("a refusal").to_string()] {
         assert!(said.contains(&place), "{place} {said}");
     }
 }

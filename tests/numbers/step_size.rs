@@ -3,7 +3,7 @@
 //!   warning and a label; a declared violation runs, labelled, and an unnecessary declaration is said to be one.
 //! Data: punch with other horizons. m0 = 1.5; (3.4): k < 0.75; monotone: k < 2·1.5/(0.05 + 1) = 2.857.
 
-use crate::program::{Folder, code, json, stderr, stdout, sweep};
+use crate::program::{Folder, code, ends, json, stderr, stdout, sweep};
 use crate::shipped::{edited, text};
 
 /// punch over a horizon, with steps 2 and 4, and more in its heading.
@@ -31,8 +31,7 @@ fn an_unguaranteed_step_size_is_refused_with_the_way_out() {
     }
     assert_eq!(folder.names(), ["punch.toml"]);
     // The number of steps that the message proposes is accepted.
-    let proposed = sweep(&["solve", &scene, "--n", "4", "--steps", "3"]);
-    assert_eq!(code(&proposed), 0, "{}", stderr(&proposed));
+    ends(0, &["solve", &scene, "--n", "4", "--steps", "3"]);
 }
 
 /// A graded grid is judged by its largest step: T (1 - (1 - 1/N)²) is 2.857 or more up to N = 5.
@@ -45,8 +44,7 @@ fn the_largest_step_counts() {
         "grid = { kind = \"graded\", exponent = 2.0 }",
     );
     let scene = folder.file("punch.toml", &graded);
-    let output = sweep(&["solve", &scene, "--n", "4", "--steps", "4"]);
-    assert_eq!(code(&output), 2);
+    let output = ends(2, &["solve", &scene, "--n", "4", "--steps", "4"]);
     let message = stderr(&output);
     assert!(message.contains("k = 3.5,") && message.contains("N = 6 steps"), "{message}");
 }
@@ -56,8 +54,7 @@ fn a_declared_violation_runs_with_its_label() {
     let folder = Folder::new("violates");
     let scene = folder.file("punch.toml", &punch("8.0", "violates = [\"3.4\"]"));
     let out = folder.argument("out");
-    let output = sweep(&["run", &scene, "--out", &out]);
-    assert_eq!(code(&output), 0, "{}", stderr(&output));
+    let output = ends(0, &["run", &scene, "--out", &out]);
     let said = "violates (3.4) on purpose";
     assert!(stderr(&output).contains("warning: punch: k = 4 (N = 2)"), "{}", stderr(&output));
     assert!(stderr(&output).contains(said));
@@ -66,7 +63,7 @@ fn a_declared_violation_runs_with_its_label() {
         assert!(written.contains(said), "{file}");
     }
     // A report that is rebuilt keeps it.
-    assert_eq!(code(&sweep(&["report", &out, "--scenes", &folder.argument("")])), 0);
+    ends(0, &["report", &out, "--scenes", &folder.argument("")]);
     let written = std::fs::read_to_string(folder.at("out").join("verdict.json")).expect("a report");
     assert!(written.contains(said));
 }
@@ -76,8 +73,7 @@ fn between_the_two_bounds_there_is_a_warning() {
     let folder = Folder::new("between");
     let out = folder.argument("out");
     let scene = folder.file("punch.toml", &punch("2.0", ""));
-    let output = sweep(&["run", &scene, "--out", &out, "--json"]);
-    assert_eq!(code(&output), 0, "{}", stderr(&output));
+    let output = ends(0, &["run", &scene, "--out", &out, "--json"]);
     let label = json(&output)["provenance"]["step_sizes"]["punch"].as_str().map(str::to_owned);
     let label = label.expect("a label");
     for phrase in ["k = 1 (N = 2)", "above the bound k < 0.75 of (3.4)", "for k < 2.8571"] {
@@ -92,7 +88,6 @@ fn within_the_theorem_nothing_is_said_but_a_needless_declaration() {
     let output = sweep(&["solve", &plain, "--n", "4", "--steps", "4"]);
     assert_eq!((code(&output), stderr(&output).as_str()), (0, ""));
     let declared = folder.file("declared.toml", &punch("1.0", "violates = [\"3.4\"]"));
-    let output = sweep(&["solve", &declared, "--n", "4", "--steps", "4"]);
-    assert_eq!(code(&output), 0);
+    let output = ends(0, &["solve", &declared, "--n", "4", "--steps", "4"]);
     assert!(stderr(&output).contains("note: punch: violates = [\"3.4\"] is not needed"));
 }

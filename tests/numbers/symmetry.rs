@@ -8,7 +8,7 @@
 use std::path::Path;
 
 use crate::program::Folder;
-use crate::shipped::{edited, on_mesh, run, text};
+use crate::shipped::{edited, on_mesh, refusal, run, text};
 use fem::mesh::{Family, Mesh, lattice, write_gmsh};
 use scene::setup::Setup;
 use scene::{Scene, Source};
@@ -145,14 +145,7 @@ fn difference(part: &[(Vec<f64>, Vec<f64>)], whole: &[(Vec<f64>, Vec<f64>)]) -> 
 
 /// What the reader or the set-up says of a shipped scene with edits.
 fn refused(name: &str, edits: &[(&str, &str)]) -> String {
-    let text = edits.iter().fold(text(name), |text, (from, to)| edited(&text, from, to));
-    match Scene::from_source(Source::from_text("manufactured/edited.toml", text)) {
-        Err(error) => error.to_string(),
-        Ok(scene) => match Setup::new(scene) {
-            Ok(_) => panic!("{name} is accepted with {edits:?}"),
-            Err(error) => error.to_string(),
-        },
-    }
+    refusal(edits.iter().fold(text(name), |text, (from, to)| edited(&text, from, to)))
 }
 
 /// Displacements across a plane or tractions along it, a body that is left to move, and conditions that are not independent.

@@ -4,21 +4,13 @@
 //!   same place leave one of them.
 //! Mesh, data: left-rule, gregory-three, gregory-four at n = 2, affine in space: nothing but time is discretised.
 
+use crate::judged::foreseen;
 use crate::shipped::{on_mesh, setup, v_max};
+use crate::wrong::Weights;
 use fem::contact::Model;
-use run::leading_error::{Case, InTime, MeasuredNorm, leading_errors};
 use scene::setup::Subject;
 use scene::{Direction, Norm};
 use vhi::history::{Gregory, GregoryOrder, Left, TimeGrid, TimeRule, Trapezoid};
-
-/// Weights by a function.
-struct Weights(fn(&TimeGrid, usize, usize) -> f64);
-
-impl TimeRule for Weights {
-    fn weight(&self, grid: &TimeGrid, n: usize, j: usize) -> f64 {
-        (self.0)(grid, n, j)
-    }
-}
 
 /// Steps of a scene, and the order of its rule.
 const SCENES: [(&str, u32, f64); 3] =
@@ -35,16 +27,8 @@ fn measured(name: &str, steps: u32, order: f64, rule: Option<Box<dyn TimeRule>>)
     let time_rule = rule.unwrap_or(written.time_rule);
     let model = Model { time_rule, ..setup(name).model };
     let [coarse, fine] = [steps, 2 * steps].map(|steps| v_max(&sound, &model, &data, steps));
-    let wanted =
-        MeasuredNorm { norm: Norm::VMax, variable: Direction::K, order, time_reference: 8 };
-    let case = Case { n: Some(2), steps: 2 * steps };
-    let told = leading_errors(
-        &Subject::Contact(Box::new(sound)),
-        &wanted,
-        &[case],
-        &mut InTime::default(),
-    );
-    let told = told.unwrap_or_else(|error| panic!("{name}: {error}"));
+    let subject = Subject::Contact(Box::new(sound));
+    let told = foreseen(&subject, (Norm::VMax, Direction::K, order), Some(2), &[2 * steps]);
     ((coarse / fine).log2(), fine / told.points[0].error)
 }
 

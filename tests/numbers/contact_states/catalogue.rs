@@ -2,19 +2,13 @@
 //! Goal: every scene has its place in the documents, its data pass `sweep check`, and docs/SCENES.md is what
 //!   `sweep list --markdown` prints, with the pictures of `--pictures`. The main job runs them and judges their orders.
 
+use crate::shipped::registry;
 use rayon::prelude::*;
 
-use crate::program::{Folder, code, stderr, stdout, sweep};
-
-fn read(file: &str) -> String {
-    let path = format!("{}/{file}", env!("CARGO_MANIFEST_DIR"));
-    std::fs::read_to_string(path).unwrap_or_else(|error| panic!("{file}: {error}"))
-}
+use crate::program::{Folder, code, ends, repository, stderr, stdout, sweep};
 
 fn names() -> Vec<String> {
-    let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/manufactured");
-    let registry = scene::Registry::open(std::path::Path::new(folder)).expect("scenes");
-    registry.names().map(str::to_owned).collect()
+    registry().names().map(str::to_owned).collect()
 }
 
 /// Scenes that `text` does not name in backquotes.
@@ -24,7 +18,7 @@ fn uncited(names: &[String], text: &str) -> Vec<String> {
 
 #[test]
 fn every_scene_is_cited() {
-    let text = read("manufactured/REFERENCES.md") + &read("docs/BROKEN-HYPOTHESES.md");
+    let text = repository("manufactured/REFERENCES.md") + &repository("docs/BROKEN-HYPOTHESES.md");
     let names = names();
     assert_eq!(uncited(&names, &text), Vec::<String>::new());
     assert_eq!(uncited(&names, &text.replace("`steady`", "")), ["steady"]);
@@ -46,7 +40,7 @@ fn long_the_data_of_every_scene_are_verified() {
 #[test]
 fn the_page_of_scenes_is_current() {
     let printed = stdout(&sweep(&["list", "--markdown"]));
-    assert!(printed == read("docs/SCENES.md"), "docs/SCENES.md is old: make scenes");
+    assert!(printed == repository("docs/SCENES.md"), "docs/SCENES.md is old: make scenes");
     assert_eq!(printed.matches("../manufactured/").count(), names().len() + 1);
 }
 
@@ -54,8 +48,7 @@ fn the_page_of_scenes_is_current() {
 #[test]
 fn the_pictures_of_scenes_are_current() {
     let folder = Folder::new("pictures");
-    let output = sweep(&["list", "--pictures", &folder.argument("")]);
-    assert_eq!(code(&output), 0, "{}", stderr(&output));
+    ends(0, &["list", "--pictures", &folder.argument("")]);
     let expected: Vec<String> = names().iter().map(|name| format!("{name}.svg")).collect();
     let mut sorted = expected.clone();
     sorted.sort();
@@ -68,8 +61,8 @@ fn the_pictures_of_scenes_are_current() {
     there.sort();
     assert_eq!(there, sorted, "docs/scenes is old: make scenes");
     for name in &sorted {
-        let drawn = std::fs::read_to_string(folder.at(name)).expect("a picture");
-        assert!(drawn == read(&format!("docs/scenes/{name}")), "{name} is old: make scenes");
+        let drawn = folder.read(name);
+        assert!(drawn == repository(&format!("docs/scenes/{name}")), "{name} is old: make scenes");
         assert!(!drawn.contains("NaN") && drawn.len() < 24_000, "{name}: {}", drawn.len());
     }
 }

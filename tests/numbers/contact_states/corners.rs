@@ -3,7 +3,7 @@
 
 use studies::theory::corner::{Wedge, WedgeSide, corners};
 
-use crate::program::{Folder, stdout, sweep};
+use crate::program::{Folder, repository, stdout, sweep};
 use crate::shipped::{edited, number, setup, text};
 
 #[test]
@@ -20,8 +20,7 @@ fn scene_and_document_name_the_exponent_of_the_clamped_block() {
     let power = scene.source.text.lines().find_map(|line| line.strip_prefix("s = "));
     let power: f64 = power.expect("the power").parse().expect("a number");
     assert!((power - least).abs() < 1e-9, "{least}");
-    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/docs/BROKEN-HYPOTHESES.md");
-    let text = std::fs::read_to_string(path).expect("the document");
+    let text = repository("docs/BROKEN-HYPOTHESES.md");
     assert!(text.contains(&format!("{least:.4}")), "{least}");
     let section = text.split("\n## Corners").nth(1).expect("the section");
     let section = section.split("## ").next().expect("its end");

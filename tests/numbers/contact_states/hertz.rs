@@ -5,6 +5,7 @@
 //!   the cylinder acts as one of curvature 1/R + 2FK/(πE*H²). The next term is of order (a/H)⁴.
 //! Goal: half-width and peak pressure of `sweep solve hertz` converge to it, and miss what a wrong modulus or no layer gives.
 
+use crate::program::repository;
 use studies::solution::FinalState;
 
 use crate::shipped::{edited, on_mesh, relative, run, setup, setup_of, text};
@@ -124,15 +125,13 @@ fn the_force_of_a_held_body_relaxes_as_its_kernel() {
         let leading = (4.0 / steps).powi(2) / 12.0 * 0.5 * (1.0 - (-4.0_f64).exp()) / closed;
         assert!(relative(apart, leading) < 0.01, "{steps}: {apart} for {leading}");
     }
-    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/docs/GALLERY.md");
-    let gallery = std::fs::read_to_string(path).expect("the document");
+    let gallery = repository("docs/GALLERY.md");
     assert!(gallery.contains(&format!("k = 1/8 `sweep solve` is {:.2} % off", 100.0 * apart[1])));
 }
 
 #[test]
 fn the_document_has_these_numbers() {
-    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/docs/BROKEN-HYPOTHESES.md");
-    let text = std::fs::read_to_string(path).expect("the document");
+    let text = repository("docs/BROKEN-HYPOTHESES.md");
     let section = text.split("\n## Hertz").nth(1).expect("the section");
     for n in [16, 32, 64, 128] {
         let start = format!("| {n} | ");

@@ -10,12 +10,12 @@ mod corners;
 mod hertz;
 mod tutorial;
 
-use crate::shipped::{edited, on_mesh, relative, run, setup, setup_of, text};
+use crate::shipped::{edited, on_mesh, refusal, relative, run, setup, setup_of, text};
 use fem::contact::StepView;
 use fem::norms::{ContactSamples, ContactState, StateErrors, state_errors};
 use run::sweep::{Overrides, ScenePlan, run_contact_case};
+use scene::Norm;
 use scene::setup::{MeshData, Setup};
-use scene::{Norm, Scene, Source};
 
 const TIMES: [f64; 4] = [0.0, 0.25, 0.5, 1.0];
 
@@ -200,14 +200,10 @@ fn norms_by_state_are_measured_where_asked_for() {
 
 #[test]
 fn states_of_a_scene_with_given_loads_are_refused() {
-    let refused = |text: String| {
-        let scene = Scene::from_source(Source::from_text("punch.toml", text));
-        scene.expect_err("the states are not known").to_string()
-    };
     let listed = edited(&text("punch"), "n = [8, 16, 32]\n", "n = [8, 16, 32]\nby_state = true\n");
-    let message = refused(listed);
+    let message = refusal(listed);
     assert!(message.contains("need the state of the truth"), "{message}");
     assert!(message.contains("by_state"), "{message}");
     let free = edited(&text("viscoelastic"), "norm = \"V_max\"", "norm = \"trace_open_max\"");
-    assert!(refused(free).contains("measured on Γ3"));
+    assert!(refusal(free).contains("measured on Γ3"));
 }

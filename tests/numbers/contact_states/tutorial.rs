@@ -7,7 +7,7 @@
 use std::path::Path;
 use std::process::Command;
 
-use crate::program::Folder;
+use crate::program::{Folder, repository};
 
 /// A numbers' rounding on another machine: nothing printed has more than five digits, and what is below this is rounding.
 const DIGITS: f64 = 1e-3;
@@ -149,8 +149,7 @@ fn followed(page: &str) -> Option<String> {
 
 #[test]
 fn the_page_prints_what_it_shows() {
-    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/docs/NEW-SCENE.md");
-    let page = std::fs::read_to_string(path).expect("the page");
+    let page = repository("docs/NEW-SCENE.md");
     assert!(page.matches("$ sweep ").count() >= 10 && page.contains("(exit code 0)"));
     if let Some(what) = followed(&page) {
         panic!("{what}");
@@ -163,8 +162,7 @@ fn the_page_prints_what_it_shows() {
 }
 
 fn document(name: &str) -> String {
-    let path = format!("{}/docs/{name}", env!("CARGO_MANIFEST_DIR"));
-    std::fs::read_to_string(path).expect("a page")
+    repository(&format!("docs/{name}"))
 }
 
 #[test]

@@ -1,11 +1,11 @@
 //! Each kind of expectation fails where it must.
 
-use fem::contact::{CaseError, CaseInfo, Observer};
+use crate::wrong::{Solver, scheme};
 use judge::claim::{Claim, Relation, Standing};
-use scene::setup::{MeshData, Scheme, Setup};
+use scene::setup::Setup;
 use studies::extremes::{Measured, Unanswered, UnderTest, Unitless, Units, claims, solve};
 use vhi::law::{AnyProjection, FourthOrder, Isotropic, TensorField, VonMises};
-use vhi::{Newton, OpenInequality, Scratch, StepError, StepInfo, StepSolver, StepState};
+use vhi::{Newton, OpenInequality, StepState};
 
 use super::{ladder, row};
 
@@ -13,40 +13,20 @@ fn holds(climbed: &[Claim]) -> bool {
     Claim::all_hold(climbed)
 }
 
-/// Newton's method that stops at an absolute residual.
-struct Absolute;
-
 /// Fine for a scene in units of one.
 const TOLERANCE: f64 = 1e-11;
 
-impl StepSolver for Absolute {
-    fn solve_level(
-        &self,
-        problem: &mut dyn OpenInequality,
-        state: &mut StepState,
-        scratch: &mut Scratch,
-    ) -> Result<StepInfo, StepError> {
+/// Newton's method that stops at an absolute residual.
+fn absolute(mut setup: Setup) -> Setup {
+    let solve = |problem: &mut dyn OpenInequality, state: &mut StepState, scratch: &mut _| {
         // The scale of the forces at the start is taken out again.
         let start = problem.force_scale(&state.u).max(f64::MIN_POSITIVE);
         let rounding_units = (TOLERANCE / (f64::EPSILON * start)).min(1e300);
         Newton { rounding_units, ..Newton::default() }.solve(problem, state, scratch)
-    }
-}
-
-impl Scheme for Absolute {
-    fn march(
-        &self,
-        setup: &Setup,
-        data: &MeshData,
-        steps: u32,
-        observe: &mut Observer<'_>,
-    ) -> Result<CaseInfo, CaseError> {
-        data.march(setup, steps, &Absolute, observe)
-    }
-}
-
-fn absolute(mut setup: Setup) -> Setup {
-    setup.scheme = std::sync::Arc::new(Absolute);
+    };
+    setup.scheme = scheme(move |setup, data, steps, observe| {
+        data.march(setup, steps, &Solver(solve), observe)
+    });
     setup
 }
 

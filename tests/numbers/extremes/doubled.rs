@@ -1,8 +1,8 @@
 //! Small problems against arithmetic with twice the digits (double-double), at random points.
 
+use crate::shipped::abstract_of;
 use algebra::linalg::signed_unit;
 use scene::setup::AbstractSetup;
-use scene::{Scene, Source};
 use twofloat::TwoFloat;
 use vhi::Newton;
 use vhi::history::{Memory, TimeGrid, Trapezoid};
@@ -45,9 +45,7 @@ impl Point {
         let text = format!(
             "[scene]\nname = \"random\"\nkind = \"abstract\"\nquestion = \"Is every digit right?\"\ndimension = 1\njudge = false\n[time]\nhorizon = 1.0\n[operator]\nmatrix = [[{m:?}]]\n[history]\nkernels = [{{ q = \"{c:?}*exp(-{r:?}*(t - s))\", matrix = [[1.0]] }}]\n[[trace]]\nfunctional = [1.0]\nlaw = {{ kind = \"piecewise-linear\", points = {LAW:?}, slope_before = 0.0, slope_after = 0.0 }}\n[exact]\nu = [\"{a:?}*sin({w:?}*t)\"]\n"
         );
-        let scene = Scene::from_source(Source::from_text("random.toml", text));
-        let scene = scene.unwrap_or_else(|error| panic!("{error}"));
-        AbstractSetup::new(scene).unwrap_or_else(|error| panic!("{error}"))
+        abstract_of(text)
     }
 
     /// The discrete solution in double-double, from the loads of the setup.

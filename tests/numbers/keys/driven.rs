@@ -244,8 +244,7 @@ fn constants() {
     let refused = |line: &str| {
         let why = "why = \"Theorem 7, (3.17)\"";
         let text = with(&crate::shipped::text("affine"), &[(why, &format!("{why}\n{line}"))]);
-        let source = scene::Source::from_text("manufactured/edited.toml", text);
-        Scene::from_source(source).expect_err(line).to_string()
+        crate::shipped::refusal(text)
     };
     for (line, said) in [
         ("constant_within = 0.07", "without a reason"),

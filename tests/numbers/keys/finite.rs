@@ -7,6 +7,7 @@ use scene::setup::AbstractSetup;
 use scene::{AbstractScene, Body, Scene};
 
 use super::{ORIGIN, Tie, near, scene, value, with};
+use crate::shipped::abstract_of;
 
 pub const TIES: &[Tie] = &[
     (&["abstract.space.inner_product"], inner_product),
@@ -93,7 +94,7 @@ fn read() -> (Scene, AbstractScene) {
 }
 
 fn setup() -> AbstractSetup {
-    AbstractSetup::new(scene(PROBLEM)).unwrap_or_else(|error| panic!("{error}"))
+    abstract_of(PROBLEM.to_owned())
 }
 
 fn vector(a: f64, b: f64) -> DVector<f64> {
@@ -132,8 +133,8 @@ fn singular() {
         ("horizon = 1.5", "horizon = 1.5\nrule = \"product-integration\""),
         ("q = \"t + 2*s\"", "q = \"t + 2*s\", singular = 0.5"),
     ];
-    let setup = AbstractSetup::new(scene(&with(PROBLEM, &edits)));
-    let kernel = &setup.unwrap_or_else(|error| panic!("{error}")).model.kernels[0].kernel;
+    let setup = abstract_of(with(PROBLEM, &edits));
+    let kernel = &setup.model.kernels[0].kernel;
     near(kernel.at(1.0, 0.75), 5.0);
     near(kernel.row(1.0, &[0.75])[0], 5.0);
     near(kernel.power(), 0.5);
@@ -146,8 +147,8 @@ fn inner() {
         ("q = \"t + 2*s\"", "q = \"t + 2*s\", inner = \"s + 3*tau\""),
         ("a_S = [0.6, -0.7]", "a_S = [0.6, -0.7]\nstart = [0.8, -0.9]"),
     ];
-    let setup = AbstractSetup::new(scene(&with(PROBLEM, &edits)));
-    let model = setup.unwrap_or_else(|error| panic!("{error}")).model;
+    let setup = abstract_of(with(PROBLEM, &edits));
+    let model = setup.model;
     near(model.kernels[0].kernel.at(1.0, 0.25), 1.5);
     near(model.kernels[0].inner.as_ref().expect("an inner kernel").at(1.0, 0.25), 1.75);
     near(model.start[0], 0.8);

@@ -14,7 +14,7 @@ mod walk;
 use std::collections::BTreeSet;
 
 use formula::{EvaluationPoint, Node};
-use scene::{Scene, Source};
+use scene::Scene;
 
 /// Keys, and the check that ties them.
 pub type Tie = (&'static [&'static str], fn());
@@ -57,8 +57,7 @@ pub fn with(text: &str, edits: &[(&str, &str)]) -> String {
 }
 
 pub fn scene(text: &str) -> Scene {
-    let scene = Scene::from_source(Source::from_text("manufactured/edited.toml", text));
-    scene.unwrap_or_else(|error| panic!("{error}"))
+    crate::shipped::scene_of(text.to_owned())
 }
 
 /// The block with edits, as a scene.
