@@ -5,26 +5,22 @@
 //! Mesh: n × n squares cut from lower left to upper right; the same turned by an angle.
 //! Data: the scenes friction-…, and a block that is pulled along a layer.
 
+use crate::program::repository;
 use std::sync::Arc;
 
-use crate::shipped::{edited, fixture, on_mesh, run, setup, setup_of, text, v_max};
-use algebra::linalg::signed_unit;
-use fem::contact::{
-    Evolution, Friction, StepView, TraceMass, TracePart, kkt_residual, trace_constants,
-};
-use scene::setup::{Setup, TruthLoad, constants};
-use scene::{Scene, Source};
+use crate::coulomb::Slipping;
+use crate::shipped::{edited, fixture, on_mesh, refusal, run, setup, setup_of, text, v_max};
+use fem::contact::{Friction, StepView, TraceMass, TracePart, kkt_residual, trace_constants};
+use scene::setup::{Setup, constants};
 use studies::diagnose::diagnose;
 use studies::theory::audit::audit;
 use vhi::law::{PiecewiseLinear, TensorField};
-use vhi::{Decomposition, HistoryInequality, StepInequality};
 
 const NS: [u32; 3] = [8, 16, 32];
 const STEPS: u32 = 8;
 
 fn independent() -> Setup {
-    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/independent/tresca.toml");
-    setup_of(std::fs::read_to_string(path).expect("a scene"))
+    setup_of(repository("tests/independent/tresca.toml"))
 }
 
 /// u and s of the last level.
@@ -167,63 +163,16 @@ fn the_kkt_rows_see_a_wrong_friction_stress() {
     assert!(least > 1e-3 && worst[1] > 1e-6, "{least} {worst:?}");
 }
 
-/// J⁻¹(F(u + s d) - F(u - s d))/2s gives back d, with vertices that slip both ways on a falling bound.
+/// With vertices that slip both ways on a falling bound.
 #[test]
 fn the_slopes_of_a_falling_bound_are_its_differences() {
-    const STEP: f64 = 1e-7;
     let points = vec![(-0.2, -0.2), (0.0, -0.3), (0.0, 0.3), (0.2, 0.2)];
     let graph = Arc::new(PiecewiseLinear::new(points, 0.0, 0.0).expect("a law"));
     let mut setup = setup("friction-falling");
     setup.model.friction =
         Some(Friction { factor: Box::new(|_, _| 1.0), graph, follows_pressure: false });
-    let (data, grid) = (on_mesh(&setup, 4), setup.grid(4));
-    let mut load = TruthLoad(&*data.truth);
-    let mut level =
-        Evolution::new(&data.space, &setup.model, &grid, &mut load).expect("an analysis");
-    level.open().expect("a level");
-    let free = &data.space.nodes.vertex[..data.space.nodes.free];
-    let at = |&v: &u32| -> [f64; 2] {
-        let (x, y) = (data.space.mesh.vertex(v)[0], data.space.mesh.vertex(v)[1]);
-        [(1.0 - y) * 0.05 * (x - 0.4), -0.02 * (1.0 - y) * (1.0 + x)]
-    };
-    let u: Vec<f64> = free.iter().flat_map(at).collect();
-    let mut seed = 5;
-    let d: Vec<f64> = u.iter().map(|_| signed_unit(&mut seed)).collect();
-    let branch = |graph: &vhi::BoundaryGraph, i: usize| {
-        // One jump, at 0, and only in the graphs of friction.
-        let normal = graph.normal(i, &u);
-        graph.potentials[graph.coordinates[i].law as usize]
-            .jumps()
-            .iter()
-            .filter(|j| normal > **j)
-            .count()
-    };
-    let force = |level: &mut Evolution<'_>, u: &[f64]| {
-        let mut out = vec![0.0; u.len()];
-        level.residual(u, &mut out);
-        let graph = level.graph();
-        for (i, coordinate) in graph.coordinates.iter().enumerate() {
-            let value = graph.value_and_slope(i, branch(graph, i), graph.normal(i, u)).0;
-            out[coordinate.dof as usize] += coordinate.sign * coordinate.weight * value;
-        }
-        out
-    };
-    let moved =
-        |sign: f64| -> Vec<f64> { u.iter().zip(&d).map(|(u, d)| u + sign * STEP * d).collect() };
-    let (plus, minus) = (force(&mut level, &moved(1.0)), force(&mut level, &moved(-1.0)));
-    let mut x: Vec<f64> = plus.iter().zip(&minus).map(|(p, m)| (p - m) / (2.0 * STEP)).collect();
-    force(&mut level, &u);
-    let graph = level.graph();
-    let slope = |i: usize| {
-        graph.coordinates[i].weight
-            * graph.value_and_slope(i, branch(graph, i), graph.normal(i, &u)).1
-    };
-    let slopes: Vec<f64> = (0..graph.coordinates.len()).map(slope).collect();
+    let Slipping { off: [off, _], slopes, .. } = crate::coulomb::slipping(&setup, None);
     assert!(slopes.iter().filter(|slope| **slope < 0.0).count() >= 4, "{slopes:?}");
-    level.linearize(&slopes, &vec![None; slopes.len()]).expect("a positive definite tangent");
-    level.solve(&mut x, 1e-12).expect("a solve");
-    let size = |v: &mut dyn Iterator<Item = f64>| v.map(|v| v * v).sum::<f64>().sqrt();
-    let off = size(&mut x.iter().zip(&d).map(|(x, d)| x - d)) / size(&mut d.iter().copied());
     // Rounding 1e-16/1e-7 times a condition of 1e2; yielding cells move by 1e-7.
     assert!(off < 1e-5, "{off}");
 }
@@ -240,8 +189,7 @@ fn a_turned_body_has_the_same_friction() {
             "shape = \"polygon\"\nvertices = [{}]\nsides = [\"bottom\", \"right\", \"top\", \"left\"]",
             corners.join(", ")
         );
-        let path = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/independent/tresca.toml");
-        let text = std::fs::read_to_string(path).expect("a scene");
+        let text = repository("tests/independent/tresca.toml");
         let text = edited(&text, "shape = \"rectangle\"\nsize = [1.0, 1.0]", &domain);
         let (bound, body) = ("0.05*(1 + 6*x)*(1 + t/2)", "[\"0.4*t\", \"-0.2\"]");
         let text = edited(&text, bound, &format!("0.05*(1 + 6*({c:?}*x + {s:?}*y))*(1 + t/2)"));
@@ -279,37 +227,6 @@ fn the_tangential_trace_constant_is_large() {
     assert!((falling.m0 - m0).abs() < 1e-12 && falling.m0 > 0.0, "{}", falling.m0);
 }
 
-/// The decomposition of Remark 3 knows friction as it knows the normal law.
-#[test]
-fn the_decomposition_finds_the_same() {
-    let setup = setup("friction-falling");
-    let (data, grid) = (on_mesh(&setup, 8), setup.grid(4));
-    let mut found: [Vec<f64>; 2] = Default::default();
-    run(&setup, &setup.model, &data, 4, |view| found[0] = view.u.to_vec()).expect("Newton");
-    let mut load = TruthLoad(&*data.truth);
-    let mut see = |view: &StepView<'_>| {
-        found[1] = view.u.to_vec();
-        Ok(())
-    };
-    let solver = Decomposition::default();
-    fem::contact::march(&data.space, &setup.model, &grid, &mut load, &solver, &mut see)
-        .expect("the decomposition");
-    let largest = found[0].iter().fold(0.0f64, |m, v| m.max(v.abs()));
-    assert!(found[0].iter().zip(&found[1]).all(|(a, b)| (a - b).abs() < 1e-9 * largest));
-}
-
-/// What is said of `text` with an edit.
-fn refusal(name: &str, from: &str, to: &str) -> String {
-    let text = edited(&text(name), from, to);
-    match Scene::from_source(Source::from_text("manufactured/edited.toml", text)) {
-        Err(error) => error.to_string(),
-        Ok(scene) => match Setup::new(scene) {
-            Err(error) => error.to_string(),
-            Ok(_) => panic!("{from} -> {to} is accepted"),
-        },
-    }
-}
-
 #[test]
 fn what_is_wrong_is_refused() {
     let slip = "points = [[0.0, 0.05], [0.1, 0.03]]";
@@ -325,7 +242,7 @@ fn what_is_wrong_is_refused() {
         ("friction-falling", slip, "points = [[0.1, 0.02]]", "points start at r = 0"),
         ("friction-falling", slip, "points = [[0.0, 0.3], [0.1, 0.2]]", "alpha_tau c_tau^2"),
     ] {
-        let said = refusal(name, from, to);
+        let said = refusal(edited(&text(name), from, to));
         assert!(said.contains(words), "{name}, {to}: {said}");
     }
     let corner = edited(
@@ -334,8 +251,7 @@ fn what_is_wrong_is_refused() {
         "traction = [\"right\"]",
     );
     let corner = edited(&corner, "contact = [\"bottom\"]", "contact = [\"bottom\", \"left\"]");
-    let error = Scene::from_source(Source::from_text("manufactured/edited.toml", corner));
-    let said = error.expect_err("a corner").to_string();
+    let said = refusal(corner);
     assert!(said.contains("two contact sides with friction meet at x = 0, y = 0"), "{said}");
 }
 

@@ -6,12 +6,11 @@
 
 use std::sync::Arc;
 
-use crate::shipped::{bodies, edited, on_mesh, run, setup, setup_of, text};
+use crate::judged::verdict;
+use crate::shipped::{edited, on_mesh, refusal, run, setup, setup_of, text};
 use fem::contact::{Friction, StepView, TracePart};
-use judge::verdict::{Decision, Verdict};
-use run::sweep::{CasePlan, Overrides, ScenePlan, judge_scene, run_contact_case};
-use scene::setup::{Setup, Subject, TraceConstant, trace_constant};
-use scene::{Scene, Source};
+use judge::verdict::Decision;
+use scene::setup::{Setup, TraceConstant, trace_constant};
 use vhi::law::{PiecewiseLinear, TensorField};
 
 #[test]
@@ -30,14 +29,6 @@ fn the_normal_displacement_is_zero_and_the_side_slips() {
         // Rounding of a turn by 30 degrees of displacements below 0.1.
         assert!(across < 1e-16 && along > 0.05, "{name}: {across:e} {along}");
     }
-}
-
-fn refusal(text: String) -> String {
-    let scene = Scene::from_source(Source::from_text("manufactured/edited.toml", text));
-    let found = scene
-        .map_err(|error| error.to_string())
-        .and_then(|scene| Setup::new(scene).map(drop).map_err(|error| error.to_string()));
-    found.expect_err("a scene that is refused")
 }
 
 fn c_tau(setup: &Setup) -> TraceConstant {
@@ -95,41 +86,16 @@ fn bilateral_contact_leaves_nothing_to_a_normal_law() {
     assert!(refusal(both).contains("both tends_to_zero and order"));
 }
 
-/// The verdict of a scene whose setup is changed.
-fn verdict(name: &str, change: impl Fn(Setup) -> Setup) -> Verdict {
-    let subject = Subject::Contact(Box::new(change(setup(name))));
-    let plan = ScenePlan::new(subject, &Overrides::default());
-    let Subject::Contact(setup) = &plan.subject else { panic!("{name} is a body") };
-    let record =
-        |case: &CasePlan| run_contact_case(setup, &on_mesh(setup, case.n.expect("a mesh")), case);
-    let records: Vec<_> = plan.cases.iter().map(record).collect();
-    judge_scene(&setup.scene, &records, &[], &[]).into_iter().next().expect("a verdict")
-}
-
 /// A solver that does not know that the bound falls converges to the solution of another problem: the error levels off.
 #[test]
 fn an_error_that_levels_off_is_not_said_to_tend_to_zero() {
-    let sound = verdict("static-rough", |setup| setup);
+    let sound = verdict(setup("static-rough"));
     assert_eq!(sound.decision, Decision::Pass, "{}", sound.reason);
     assert!(sound.constants.is_empty() && sound.interval.expect("an interval")[0] > 0.05);
-    let constant = |mut setup: Setup| {
-        let points = vec![(0.0, -0.08), (0.0, 0.08)];
-        let graph = Arc::new(PiecewiseLinear::new(points, 0.0, 0.0).expect("a graph"));
-        setup.model.friction = setup.model.friction.map(|sound| Friction { graph, ..sound });
-        setup
-    };
-    let wrong = verdict("static-rough", constant);
+    let mut constant = setup("static-rough");
+    let points = vec![(0.0, -0.08), (0.0, 0.08)];
+    let graph = Arc::new(PiecewiseLinear::new(points, 0.0, 0.0).expect("a graph"));
+    constant.model.friction = constant.model.friction.map(|sound| Friction { graph, ..sound });
+    let wrong = verdict(constant);
     assert_ne!(wrong.decision, Decision::Pass, "{}", wrong.reason);
-}
-
-/// Shipped scenes with bilateral contact: none loses its condition.
-#[test]
-fn shipped_scenes_hold_u_nu_on_every_vertex_of_the_side() {
-    let bilateral = bodies().filter(|setup| setup.body.domain.bilateral);
-    let checked = bilateral.map(|setup| {
-        let space = setup.space(4).expect("a mesh");
-        let free = space.trace.points.iter().filter(|point| !point.clamped).count();
-        assert_eq!(space.supports.len(), free, "{}", setup.scene.name);
-    });
-    assert!(checked.count() >= 4);
 }

@@ -156,48 +156,31 @@ fn scale() {
     near(boundary.potential_at([0.5, 0.0, 0.0]).subdifferential(0.2).0, 0.09);
 }
 
+/// S(x, t) = 0.1 x (1 + t); from 0.3 at rest to 0.28 at a slip of 0.1, constant beyond; 0.4 p whatever the slip. Each on both
+/// sides of u_τ = 0, where the interval lies between them.
 fn friction() {
-    given_friction();
-    slip_friction();
-    coulomb_friction();
-}
-
-/// S(x, t) = 0.1 x (1 + t) on both sides of u_τ = 0, and nothing but the interval between at 0.
-fn given_friction() {
-    let setup = with_contact("[contact.friction]\nbound = \"0.1*x*(1 + t)\"");
-    let law = setup.model.friction.as_ref().expect("friction").at([0.5, 0.0, 0.0], 1.0, 0.0);
-    for (slip, [low, high]) in [(0.0, [-0.1, 0.1]), (0.02, [0.1; 2]), (-0.02, [-0.1; 2])] {
-        let stress = law.subdifferential(slip);
-        near(stress.0, low);
-        near(stress.1, high);
+    type Row<'a> = (&'a str, f64, &'a [(f64, f64)]);
+    let law = "law = { kind = \"linear\", stiffness = 0.0 }\n[contact.friction]";
+    let slip = "bound = { kind = \"slip\", points = [[0.0, 0.3], [0.1, 0.28]] }";
+    let coulomb = "bound = { kind = \"coulomb\", coefficient = \"0.4\" }";
+    let rows: [Row; 3] = [
+        ("bound = \"0.1*x*(1 + t)\"", 0.0, &[(0.0, 0.1), (0.02, 0.1)]),
+        (slip, 0.2, &[(0.0, 0.3), (0.05, 0.29), (0.4, 0.28)]),
+        (coulomb, 0.0, &[(0.0, 0.2), (0.02, 0.2), (0.3, 0.2)]),
+    ];
+    for (bound, alpha, points) in rows {
+        let setup = with_contact(&format!("{law}\n{bound}"));
+        let friction = setup.model.friction.as_ref().expect("friction");
+        // A pressure of 0.5, which the first two do not follow.
+        let law = friction.at([0.5, 0.0, 0.0], 1.0, 0.5);
+        near(law.alpha(), alpha);
+        for &(slip, stress) in points {
+            let ahead = law.subdifferential(slip);
+            let back = law.subdifferential(-slip);
+            near(ahead.1, stress);
+            near(back.0, -stress);
+            near(ahead.0, if slip == 0.0 { -stress } else { stress });
+            near(back.1, -ahead.0);
+        }
     }
-}
-
-/// 0.4 p on both sides of u_τ = 0, whatever the slip.
-fn coulomb_friction() {
-    let setup = with_contact(
-        "law = { kind = \"linear\", stiffness = 0.0 }\n[contact.friction]\nbound = { kind = \"coulomb\", coefficient = \"0.4\" }",
-    );
-    let law = setup.model.friction.as_ref().expect("friction").at([0.5, 0.0, 0.0], 1.0, 0.5);
-    for (slip, [low, high]) in [(0.0, [-0.2, 0.2]), (0.02, [0.2; 2]), (-0.3, [-0.2; 2])] {
-        let stress = law.subdifferential(slip);
-        near(stress.0, low);
-        near(stress.1, high);
-    }
-}
-
-/// From 0.3 at rest to 0.28 at a slip of 0.1, constant beyond.
-fn slip_friction() {
-    let setup = with_contact(
-        "[contact.friction]\nbound = { kind = \"slip\", points = [[0.0, 0.3], [0.1, 0.28]] }",
-    );
-    let law = setup.model.friction.as_ref().expect("friction").at([0.5, 0.0, 0.0], 1.0, 0.0);
-    for (slip, [low, high]) in
-        [(0.0, [-0.3, 0.3]), (0.05, [0.29; 2]), (-0.05, [-0.29; 2]), (0.4, [0.28; 2])]
-    {
-        let stress = law.subdifferential(slip);
-        near(stress.0, low);
-        near(stress.1, high);
-    }
-    near(law.alpha(), 0.2);
 }
