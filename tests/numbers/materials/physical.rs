@@ -1,9 +1,8 @@
 //! Regions by a condition and by a physical group of the mesh file: the same cells, the same numbers to the bit.
 
-use judge::record::CaseRecord;
-use run::sweep::{CasePlan, run_contact_case};
 use scene::setup::Setup;
 
+use crate::judged;
 use crate::shipped::{edited, on_mesh, setup_of, text};
 
 /// `layered` on the two layers of a mesh file, its region given by `place`.
@@ -23,9 +22,8 @@ fn frustum(place: &str) -> Setup {
 
 /// Everything recorded of a case but the seconds.
 fn record(setup: &Setup, n: u32, steps: u32) -> String {
-    let norms = vec![setup.scene.predicts[0].norm];
-    let case = CasePlan { n: Some(n), steps, norms };
-    let mut found: CaseRecord = run_contact_case(setup, &on_mesh(setup, n), &case);
+    let norms = [setup.scene.predicts[0].norm];
+    let mut found = judged::record(setup, &on_mesh(setup, n), n, steps, &norms);
     (found.seconds_load, found.seconds_assemble, found.seconds_factor) = (0.0, 0.0, 0.0);
     (found.seconds_solve, found.seconds_total) = (0.0, 0.0);
     assert!(found.errors.iter().all(|error| error.error.is_some_and(f64::is_finite)), "{found:?}");

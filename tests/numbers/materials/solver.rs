@@ -2,28 +2,15 @@
 
 use fem::contact::{ContactProblem, Discretization, LastSlot, MemoryTerm, Model, StepView, march};
 use fem::mesh::{Family, Mesh, lattice};
-use run::sweep::{CasePlan, run_contact_case};
 use scene::Norm;
 use vhi::Newton;
 use vhi::history::{TimeGrid, Trapezoid};
-use vhi::law::{
-    AnyProjection, ExponentialSum, FourthOrder, Isotropic, TensorField, VonMises, YieldLimit,
-};
+use vhi::law::{AnyProjection, ExponentialSum, FourthOrder, Isotropic, TensorField, VonMises};
 
 use crate::differences;
+use crate::judged::record;
 use crate::shipped::{on_mesh, setup, setup_of, text};
-
-/// κ = 0.1 + 0.2 ζ.
-struct Rising;
-
-impl YieldLimit for Rising {
-    fn value(&self, zeta: f64) -> f64 {
-        0.1 + 0.2 * zeta
-    }
-    fn slope(&self, _: f64) -> f64 {
-        0.2
-    }
-}
+use crate::wrong::Limit;
 
 const SOFT: Isotropic = Isotropic { lambda: 0.4, mu: 0.7 };
 
@@ -65,7 +52,10 @@ fn mismatch(space: &Discretization, weights: &[f64]) -> f64 {
     let model = Model {
         elasticity: TensorField::new(SOFT.into(), [anisotropic()]),
         memory: terms(),
-        projection: Some(AnyProjection::new(VonMises { mu: 0.7, limit: Rising })),
+        projection: Some(AnyProjection::new(VonMises {
+            mu: 0.7,
+            limit: Limit { start: 0.1, slope: 0.2 },
+        })),
         boundary: Vec::new(),
         friction: None,
         time_rule: Box::new(Trapezoid),
@@ -170,8 +160,7 @@ fn absent_terms_cost_nothing() {
     // (factorizations, bytes of history) of 16 steps with 40 unknowns.
     let cost = |name: &str| {
         let setup = setup(name);
-        let case = CasePlan { n: Some(4), steps: 16, norms: vec![Norm::VMax] };
-        let record = run_contact_case(&setup, &on_mesh(&setup, 4), &case);
+        let record = record(&setup, &on_mesh(&setup, 4), 4, 16, &[Norm::VMax]);
         assert_eq!(record.dofs, 40);
         (record.factorizations, record.peak_history_bytes as usize)
     };
