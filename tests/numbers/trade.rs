@@ -1,20 +1,18 @@
 //! Source: the contract of `sweep trade` and `sweep solve --estimate`; errors of single runs as `sweep run` measures them.
 //! Goal: the front is that of a brute force; the command measures the errors of a sweep, loses no row, answers a target
-//!   with a run that has the error it predicts, and refuses nonsense with one message; the estimated error of a run
-//!   contains the true one on scenes where it is known, and a wrong difference of runs does not. No clock is compared.
+//!   with a run that has the error it predicts, and refuses nonsense with one message; the bound of a quantity contains its
+//!   limit. No clock is compared.
 //! Data: compliance, affine, signorini, pure-mild, in-space, pure-box, punch without its reference.
 
-use crate::program::{Folder, code, json, stderr, stdout, sweep};
+use crate::judged::errors;
+use crate::program::{Folder, ends, json, refuses, stderr, stdout, sweep};
 use crate::shipped::{edited, on_mesh, run, setup, setup_of, text};
 use fem::norms::{step_errors, strain_error};
 use fem::space::quadrature::TruthRules;
-use run::sweep::{CasePlan, run_contact_case};
 use scene::Norm;
 use scene::setup::{MeshData, Setup};
 use serde_json::Value;
-use studies::trade::estimate::{
-    Alignment, Companions, NormDifferences, Part, companions, norm_estimate,
-};
+use studies::trade::estimate::{Alignment, Part, companions};
 use studies::trade::front;
 
 /// Errors closer than this part of them are one in a trade.
@@ -48,9 +46,7 @@ fn the_front_is_that_of_a_brute_force() {
 }
 
 fn v_error(setup: &Setup, n: u32, steps: u32) -> f64 {
-    let case = CasePlan { n: Some(n), steps, norms: vec![Norm::VMax] };
-    let record = run_contact_case(setup, &on_mesh(setup, n), &case);
-    record.norm("V_max").and_then(|entry| entry.error).expect("a run that converges")
+    errors(setup, &on_mesh(setup, n), n, steps, &[Norm::VMax])[0]
 }
 
 fn number(value: &Value) -> f64 {
@@ -63,8 +59,7 @@ fn a_trade_measures_what_a_sweep_measures_and_answers_a_target() {
     let out = folder.argument("out");
     let grid = ["--n", "4,8,16", "--steps", "2,4,8", "--out", &out];
     let target = ["--target", "0.03", "--confirm", "--json"];
-    let output = sweep(&[&["trade", "compliance"][..], &grid, &target].concat());
-    assert_eq!(code(&output), 0, "{}", stderr(&output));
+    let output = ends(0, &[&["trade", "compliance"][..], &grid, &target].concat());
     let document = json(&output);
     let trials = document["trials"].as_array().expect("trials");
     let named = |change: &'static str| trials.iter().filter(move |row| row["change"] == change);
@@ -100,7 +95,7 @@ fn a_trade_measures_what_a_sweep_measures_and_answers_a_target() {
         assert!((number(&price["error"]) + 1.0 - ratio("error")).abs() < 1e-14, "{price}");
     }
     // Every row is in the table, in the order of the runs.
-    let table = std::fs::read_to_string(folder.at("out/compliance-trade.csv")).expect("a table");
+    let table = folder.read("out/compliance-trade.csv");
     assert_eq!(table.lines().count(), 1 + trials.len());
     for (line, row) in table.lines().skip(1).zip(trials) {
         for key in ["change", "error", "cpu_seconds"] {
@@ -108,10 +103,9 @@ fn a_trade_measures_what_a_sweep_measures_and_answers_a_target() {
             assert!(line.split(',').any(|part| part == cell), "{key} {cell}: {line}");
         }
     }
-    let svg = std::fs::read_to_string(folder.at("out/compliance-trade.svg")).expect("a picture");
+    let svg = folder.read("out/compliance-trade.svg");
     assert!(svg.contains("Pareto front") && svg.contains("CPU time in seconds"));
-    let saved = std::fs::read_to_string(folder.at("out/compliance-trade.json")).expect("a file");
-    let saved: Value = serde_json::from_str(&saved).expect("JSON");
+    let saved = folder.json("out/compliance-trade.json");
     assert_eq!(saved["answer"], document["answer"]);
     let points: Vec<(f64, f64, bool)> = trials
         .iter()
@@ -179,8 +173,7 @@ fn elements_are_compared_at_equal_error() {
             ("4,8,16", "P1", [8, 16, 32])
         };
         let grid = ["--n", n, "--steps", "2,4,8", "--target", "2%", "--out", &out, "--json"];
-        let output = sweep(&[&["trade", name][..], &grid].concat());
-        assert_eq!(code(&output), 0, "{}", stderr(&output));
+        let output = ends(0, &[&["trade", name][..], &grid].concat());
         let document = json(&output);
         let trials = document["trials"].as_array().expect("trials");
         let row = |element: &str, n: u32, steps: u32| {
@@ -253,70 +246,16 @@ fn nonsense_ends_in_one_message() {
         (vec!["trade", &blind], "no error can be measured"),
         (vec!["trade", "nowhere"], "nowhere"),
     ] {
-        let output = sweep(&arguments);
-        assert_eq!(code(&output), 2, "{arguments:?}: {}", stdout(&output));
-        let said = stderr(&output);
-        assert!(said.contains(message), "{arguments:?}: {said}");
-        assert_eq!(stdout(&output), "", "{arguments:?}");
+        refuses(&arguments, &[message]);
     }
     // Out of reach: what was measured is kept, and the message says what the least is.
     for (scene, target, words) in
         [("affine", "1e-30", "cannot be reached"), ("compliance", "1e-6", "out of reach")]
     {
-        let output = sweep(&[&["trade", scene, "--target", target][..], &small].concat());
-        assert_eq!(code(&output), 2, "{}", stdout(&output));
+        let output = ends(2, &[&["trade", scene, "--target", target][..], &small].concat());
         assert!(stderr(&output).contains(words), "{}", stderr(&output));
     }
     assert!(folder.at("out/affine-trade.csv").exists());
-}
-
-/// The estimate of the V error, and the true one.
-fn judged(setup: &Setup, n: u32, steps: u32) -> (Companions, f64) {
-    let found = companions(setup, n, steps).unwrap_or_else(|error| panic!("{error}"));
-    (found, v_error(setup, n, steps))
-}
-
-fn v_of(found: &Companions) -> NormDifferences {
-    *found.norms.iter().find(|found| found.norm == Norm::VMax).expect("V_max")
-}
-
-#[test]
-fn the_estimate_of_a_run_contains_its_error() {
-    for (name, n, steps) in [
-        ("compliance", 16, 8),
-        ("compliance", 32, 4),
-        ("signorini", 32, 8),
-        ("pure-mild", 32, 8),
-        ("viscoelastic", 16, 8),
-        ("affine", 4, 16),
-        ("in-space", 8, 32),
-        ("pure-box", 8, 4),
-    ] {
-        let setup = setup(name);
-        let (found, truth) = judged(&setup, n, steps);
-        let differences = v_of(&found);
-        let estimate = norm_estimate(&setup, &found, &differences);
-        let (value, interval) =
-            estimate.total().unwrap_or_else(|| panic!("{name}: {:?}", estimate.reasons()));
-        println!(
-            "{name} n = {n} N = {steps}: effectivity {:.3} in [{:.2}, {:.2}]",
-            value / truth,
-            interval.lo / truth,
-            interval.hi / truth
-        );
-        assert!(interval.contains(truth), "{name}: {truth:e} {estimate:?}");
-        // A fourth or four times the differences is another error.
-        for factor in [0.25, 4.0] {
-            let wrong = NormDifferences {
-                space: differences.space.map(|d| factor * d),
-                time: differences.time.map(|d| factor * d),
-                ..differences
-            };
-            let estimate = norm_estimate(&setup, &found, &wrong);
-            let contains = estimate.total().is_some_and(|(_, interval)| interval.contains(truth));
-            assert!(!contains, "{name}, {factor}: {truth:e} {estimate:?}");
-        }
-    }
 }
 
 #[test]
@@ -343,8 +282,7 @@ fn the_bound_of_a_quantity_contains_its_limit() {
 
 #[test]
 fn what_has_no_companions_is_unknown_with_its_reason() {
-    let output = sweep(&["solve", "compliance", "--n", "6", "--steps", "8", "--estimate"]);
-    assert_eq!(code(&output), 0, "{}", stderr(&output));
+    let output = ends(0, &["solve", "compliance", "--n", "6", "--steps", "8", "--estimate"]);
     assert!(stdout(&output).contains("h: n = 6 is no multiple of 4"), "{}", stdout(&output));
     let arguments = ["solve", "compliance", "--n", "8", "--steps", "6", "--estimate", "--json"];
     let document = json(&sweep(&arguments));
@@ -367,7 +305,7 @@ fn what_has_no_companions_is_unknown_with_its_reason() {
             "fixed-point",
         ],
     ] {
-        assert_eq!(code(&sweep(&arguments)), 2);
+        ends(2, &arguments);
     }
     // Differences that do not fall, whatever the norm.
     let part = Part::of([1.0, 1.1], 0.0, Some(1.0), Alignment::Orthogonal);
