@@ -5,27 +5,23 @@
 
 use std::sync::Arc;
 
-use crate::shipped::{edited, text};
+use crate::shipped::{edited, scene_of, text};
+use crate::wrong::{Weights, first_whole, lagged, nothing_at_zero, rectangle, scheme, see_kernels};
 use fem::contact::{CaseError, CaseInfo, Load, LoadError, MemoryTerm, Observer, march};
 use formula::{EvaluationPoint, Variable};
 use judge::claim::Claim;
 use judge::verdict::Decision;
-use scene::setup::{MeshData, Scheme, Setup, TruthLoad, YieldFormula};
-use scene::{Data, Extension, Registry, Scene, Source};
+use scene::setup::{MeshData, Setup, TruthLoad, YieldFormula};
+use scene::{Data, Extension, Registry, Scene};
 use studies::diagnose::{Finding, Outcome, Suspect, culprit, diagnose, examine, sentence};
 use vhi::Newton;
-use vhi::history::{TimeGrid, TimeRule, Trapezoid};
+use vhi::history::TimeGrid;
 use vhi::law::{
     AnyProjection, Isotropic, MemoryKernel, PiecewiseLinear, Potential, Singular, VonMises,
 };
 
-fn scene(text: String) -> Scene {
-    let scene = Scene::from_source(Source::from_text("manufactured/edited.toml", text));
-    scene.unwrap_or_else(|error| panic!("{error}"))
-}
-
 fn shipped_scene(name: &str) -> Scene {
-    scene(text(name))
+    scene_of(text(name))
 }
 
 fn show(defect: &str, outcomes: &[Outcome]) {
@@ -36,56 +32,13 @@ fn show(defect: &str, outcomes: &[Outcome]) {
     }
 }
 
-/// Weights that differ from the trapezoidal ones.
-struct Weights(fn(&TimeGrid, usize, usize) -> f64);
-
-impl TimeRule for Weights {
-    fn weight(&self, grid: &TimeGrid, n: usize, j: usize) -> f64 {
-        (self.0)(grid, n, j)
-    }
-}
-
-fn rectangle(grid: &TimeGrid, n: usize, j: usize) -> f64 {
-    if n == 0 || j == 0 { 0.0 } else { grid.step(j) }
-}
-
-/// The last weight on the level before: an explicit history.
-fn lagged(grid: &TimeGrid, n: usize, j: usize) -> f64 {
-    match n - j {
-        0 => 0.0,
-        1 => Trapezoid.weight(grid, n, j) + Trapezoid.weight(grid, n, n),
-        _ => Trapezoid.weight(grid, n, j),
-    }
-}
-
-fn first_whole(grid: &TimeGrid, n: usize, j: usize) -> f64 {
-    let weight = Trapezoid.weight(grid, n, j);
-    if j == 0 { 2.0 * weight } else { weight }
-}
-
 fn with_rule(mut setup: Setup, weights: fn(&TimeGrid, usize, usize) -> f64) -> Setup {
     setup.model.time_rule = Box::new(Weights(weights));
     setup
 }
 
-/// A kernel seen through a defect.
-struct Through {
-    kernel: Box<dyn MemoryKernel>,
-    seen: fn(&dyn MemoryKernel, f64) -> f64,
-}
-
-impl MemoryKernel for Through {
-    fn value(&self, lag: f64) -> f64 {
-        (self.seen)(&*self.kernel, lag)
-    }
-}
-
 fn with_kernel(mut setup: Setup, seen: fn(&dyn MemoryKernel, f64) -> f64) -> Setup {
-    let through = |MemoryTerm { kernel, tensor }| MemoryTerm {
-        kernel: Box::new(Through { kernel, seen }),
-        tensor,
-    };
-    setup.model.memory = setup.model.memory.into_iter().map(through).collect();
+    see_kernels(&mut setup.model, seen);
     setup
 }
 
@@ -129,7 +82,7 @@ fn with_gap(mut setup: Setup, seen: fn(f64) -> f64) -> Setup {
 
 fn with_projection(
     mut setup: Setup,
-    change: fn(VonMises<YieldFormula>, &Setup) -> VonMises<YieldFormula>,
+    change: impl Fn(VonMises<YieldFormula>, &Setup) -> VonMises<YieldFormula>,
 ) -> Setup {
     let stated = setup.scene_projection().filter(|_| setup.model.projection.is_some());
     setup.model.projection = stated.map(|sound| AnyProjection::new(change(sound, &setup)));
@@ -153,71 +106,56 @@ fn kappa(setup: &Setup, scale: f64, power_of_zeta: f64) -> YieldFormula {
     YieldFormula::new(&graph, wrong)
 }
 
+fn with_scheme<F>(setup: Setup, march: F) -> Setup
+where
+    F: Fn(&Setup, &MeshData, u32, &mut Observer<'_>) -> Result<CaseInfo, CaseError>
+        + Send
+        + Sync
+        + 'static,
+{
+    Setup { scheme: scheme(march), ..setup }
+}
+
 /// Newton's method that stops at a share of its residual's size.
-struct Loose(f64);
+fn loose(setup: Setup) -> Setup {
+    let solver = Newton { rounding_units: 1e-6 / f64::EPSILON, ..Newton::default() };
+    with_scheme(setup, move |setup, data, steps, observe| {
+        data.march(setup, steps, &solver, observe)
+    })
+}
 
-impl Scheme for Loose {
-    fn march(
-        &self,
-        setup: &Setup,
-        data: &MeshData,
-        steps: u32,
-        observe: &mut Observer<'_>,
-    ) -> Result<CaseInfo, CaseError> {
-        let solver = Newton { rounding_units: self.0 / f64::EPSILON, ..Newton::default() };
-        let mut load = TruthLoad(&*data.truth);
-        let grid = setup.grid(steps);
-        march(&data.space, &setup.model, &grid, &mut load, &solver, &mut *observe)
+/// A march under loads that are changed, by the time and the first step.
+struct Changed<'a> {
+    sound: TruthLoad<'a>,
+    factor: f64,
+    late: f64,
+}
+
+impl Load for Changed<'_> {
+    fn assemble(&mut self, t: f64, out: &mut [f64]) -> Result<(), LoadError> {
+        self.sound.assemble((t - self.late).max(0.0), out)?;
+        out.iter_mut().for_each(|force| *force *= self.factor);
+        Ok(())
     }
 }
 
-/// Loads half as large again where the solution is not in V^h: a quadrature that misses its integral.
-struct Heavy;
-
-impl Scheme for Heavy {
-    fn march(
-        &self,
-        setup: &Setup,
-        data: &MeshData,
-        steps: u32,
-        observe: &mut Observer<'_>,
-    ) -> Result<CaseInfo, CaseError> {
-        struct Scaled<'a>(TruthLoad<'a>, f64);
-        impl Load for Scaled<'_> {
-            fn assemble(&mut self, t: f64, out: &mut [f64]) -> Result<(), LoadError> {
-                self.0.assemble(t, out)?;
-                out.iter_mut().for_each(|force| *force *= self.1);
-                Ok(())
-            }
-        }
+/// Loads times a factor, where the solution is not in V^h, and those of earlier in the step.
+fn with_loads(setup: Setup, outside: f64, late: f64) -> Setup {
+    with_scheme(setup, move |setup, data, steps, observe| {
         let inside = matches!(setup.body.data, Data::Exact { interpolated: true, .. });
-        let mut load = Scaled(TruthLoad(&*data.truth), if inside { 1.0 } else { 1.5 });
-        let grid = setup.grid(steps);
+        let (grid, factor) = (setup.grid(steps), if inside { 1.0 } else { outside });
+        let sound = TruthLoad(&*data.truth);
+        let mut load = Changed { sound, factor, late: late * grid.step(1) };
         march(&data.space, &setup.model, &grid, &mut load, &Newton::default(), observe)
-    }
+    })
 }
 
-/// Loads of the middle of a step.
-struct Late;
-
-impl Scheme for Late {
-    fn march(
-        &self,
-        setup: &Setup,
-        data: &MeshData,
-        steps: u32,
-        observe: &mut Observer<'_>,
-    ) -> Result<CaseInfo, CaseError> {
-        struct Shifted<'a>(TruthLoad<'a>, f64);
-        impl Load for Shifted<'_> {
-            fn assemble(&mut self, t: f64, out: &mut [f64]) -> Result<(), LoadError> {
-                self.0.assemble((t - self.1).max(0.0), out)
-            }
-        }
-        let grid = setup.grid(steps);
-        let mut load = Shifted(TruthLoad(&*data.truth), 0.5 * grid.step(1));
-        march(&data.space, &setup.model, &grid, &mut load, &Newton::default(), observe)
-    }
+fn with_kappa(setup: Setup, scale: f64, power_of_zeta: f64) -> Setup {
+    let limit = |sound: VonMises<YieldFormula>, setup: &Setup| VonMises {
+        mu: sound.mu,
+        limit: kappa(setup, scale, power_of_zeta),
+    };
+    with_projection(setup, limit)
 }
 
 type Hook = fn(Setup) -> Setup;
@@ -230,31 +168,15 @@ fn defects() -> Vec<(&'static str, &'static str, Suspect, Hook)> {
         ("in-space", "last weight on the level before", TimeRule, |s| with_rule(s, lagged)),
         ("viscoelastic", "last weight on the level before", TimeRule, |s| with_rule(s, lagged)),
         ("affine", "first weight whole", TimeRule, |s| with_rule(s, first_whole)),
-        ("pure-mild", "B(0) missing", Memory, |s| {
-            with_kernel(s, |b, lag| if lag == 0.0 { 0.0 } else { b.value(lag) })
-        }),
+        ("pure-mild", "B(0) missing", Memory, |s| with_kernel(s, nothing_at_zero)),
         ("signorini", "kernel 5 % too large", Memory, |s| {
             with_kernel(s, |b, lag| 1.05 * b.value(lag))
         }),
         ("in-space", "kernel time shifted", Memory, |s| {
             with_kernel(s, |b, lag| b.value(lag + 0.01))
         }),
-        ("pure-mild", "kappa constant", Accumulation, |mut s| {
-            if s.model.projection.is_some() {
-                let limit = kappa(&s, 0.0, 1.0);
-                let bent = VonMises { mu: s.projection_mu(), limit };
-                s.model.projection = Some(AnyProjection::new(bent));
-            }
-            s
-        }),
-        ("affine", "zeta squared", Accumulation, |mut s| {
-            if s.model.projection.is_some() {
-                let limit = kappa(&s, 1.0, 2.0);
-                let bent = VonMises { mu: s.projection_mu(), limit };
-                s.model.projection = Some(AnyProjection::new(bent));
-            }
-            s
-        }),
+        ("pure-mild", "kappa constant", Accumulation, |s| with_kappa(s, 0.0, 1.0)),
+        ("affine", "zeta squared", Accumulation, |s| with_kappa(s, 1.0, 2.0)),
         ("steady", "mu 2 % too large", Projection, |s| {
             with_projection(s, |p, _| VonMises { mu: 1.02 * p.mu, ..p })
         }),
@@ -291,24 +213,17 @@ fn defects() -> Vec<(&'static str, &'static str, Suspect, Hook)> {
             s.model.elasticity = s.model.elasticity.scaled(1.01);
             s
         }),
-        ("steady", "loads too large outside V^h", Space, |mut s| {
-            s.scheme = Arc::new(Heavy);
-            s
-        }),
-        ("compliance", "loads of the middle of the step", Loads, |mut s| {
-            s.scheme = Arc::new(Late);
-            s
-        }),
-        ("pure-mild", "Newton ends at 1e-6", Solver, |mut s| {
-            s.scheme = Arc::new(Loose(1e-6));
-            s
-        }),
+        ("steady", "loads too large outside V^h", Space, |s| with_loads(s, 1.5, 0.0)),
+        ("compliance", "loads of the middle of the step", Loads, |s| with_loads(s, 1.0, 0.5)),
+        ("pure-mild", "Newton ends at 1e-6", Solver, loose),
     ]
 }
 
 fn named(name: &str) -> Scene {
     match name {
-        "stiff" => scene(edited(&text("affine"), "\nlambda = 1.0\nmu_L", "\nlambda = 2.0\nmu_L")),
+        "stiff" => {
+            scene_of(edited(&text("affine"), "\nlambda = 1.0\nmu_L", "\nlambda = 2.0\nmu_L"))
+        }
         name => shipped_scene(name),
     }
 }
@@ -374,14 +289,7 @@ fn long_quadratic_elements_and_singular_kernels_are_diagnosed() {
         ("quadratic-memory", Projection, |s| {
             with_projection(s, |p, _| VonMises { mu: 1.02 * p.mu, ..p })
         }),
-        ("quadratic-memory", Accumulation, |mut s| {
-            if s.model.projection.is_some() {
-                let limit = kappa(&s, 1.0, 2.0);
-                let bent = VonMises { mu: s.projection_mu(), limit };
-                s.model.projection = Some(AnyProjection::new(bent));
-            }
-            s
-        }),
+        ("quadratic-memory", Accumulation, |s| with_kappa(s, 1.0, 2.0)),
         ("quadratic-compliance", Compliance, |mut s| {
             for boundary in &mut s.model.boundary {
                 let sound = std::mem::replace(&mut boundary.shift, Box::new(|_| 0.0));
@@ -417,7 +325,7 @@ fn long_a_sound_solver_is_not_accused_on_any_scene() {
 #[ignore = "sweeps in space: make test-long"]
 fn long_the_sentence_names_what_removal_restores() {
     let scene = shipped_scene("in-space");
-    let no_end = |s| with_kernel(s, |b, lag| if lag == 0.0 { 0.0 } else { b.value(lag) });
+    let no_end = |s| with_kernel(s, nothing_at_zero);
     let found = diagnose(&scene, &no_end, false).unwrap_or_else(|error| panic!("{error}"));
     println!("{}", found.sentence);
     assert!(!found.verdicts.iter().all(|verdict| verdict.as_expected()));
@@ -445,24 +353,11 @@ fn two_culprits_are_two() {
 /// A solver that panics has failed; it does not end the diagnosis.
 #[test]
 fn a_panic_is_a_failed_trial() {
-    struct Panics;
-    impl Scheme for Panics {
-        fn march(
-            &self,
-            setup: &Setup,
-            data: &MeshData,
-            steps: u32,
-            observe: &mut Observer<'_>,
-        ) -> Result<CaseInfo, CaseError> {
+    let panics = |setup: Setup| {
+        with_scheme(setup, |setup, data, steps, observe| {
             assert!(setup.model.memory.is_empty(), "seeded");
-            let mut load = TruthLoad(&*data.truth);
-            let grid = setup.grid(steps);
-            march(&data.space, &setup.model, &grid, &mut load, &Newton::default(), observe)
-        }
-    }
-    let panics = |mut s: Setup| {
-        s.scheme = Arc::new(Panics);
-        s
+            data.march(setup, steps, &Newton::default(), observe)
+        })
     };
     let (_, finding) = examine(&shipped_scene("affine"), &panics, false);
     assert_eq!(finding, Finding::One(vec![Suspect::Memory]));
@@ -519,7 +414,7 @@ fn the_inference_is_by_elimination() {
 #[test]
 fn a_singular_solution_is_asked_for_its_order_alone() {
     let four = edited(&text("corner"), "n = [24, 48, 96]", "n = [12, 24, 48, 96]");
-    let found = diagnose(&scene(four), &|setup| setup, true).unwrap_or_else(|e| panic!("{e}"));
+    let found = diagnose(&scene_of(four), &|setup| setup, true).unwrap_or_else(|e| panic!("{e}"));
     show("corner", &found.outcomes);
     assert_eq!(found.finding, Some(Finding::NothingFails), "{}", found.sentence);
     let order = found.outcomes.iter().find(|outcome| outcome.name == "all terms, in h");

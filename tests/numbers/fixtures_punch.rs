@@ -5,13 +5,13 @@
 //! Data: punch (all terms), elastic-punch (μ = 0), linear-punch (memory alone); (n, N) = (4, 4), (8, 8).
 
 use crate::shipped::{fixture, number, on_mesh, relative, run, setup};
+use crate::wrong::{Weights, nothing_at_zero, rectangle, see_kernels};
 use algebra::tensor::Symmetric;
 use fem::contact::Model;
 use scene::setup::Setup;
 use serde_json::Value;
 use studies::solution::FinalState;
-use vhi::history::{TimeGrid, TimeRule};
-use vhi::law::{AnyProjection, MemoryKernel, Projection, Response, YieldLimit};
+use vhi::law::{AnyProjection, Projection, Response, YieldLimit};
 
 /// The fixture carries 15 digits. Two implementations differ by rounding times the condition of the tangent, 1e3
 /// here; 1e-9 is four digits above that and the accuracy promised for named quantities.
@@ -77,27 +77,6 @@ fn all_quantities_agree() {
     }
 }
 
-/// exp(-lag) as the scenes have it, with a defect.
-struct Kernel {
-    at_zero: f64,
-    shift: f64,
-}
-
-impl MemoryKernel for Kernel {
-    fn value(&self, lag: f64) -> f64 {
-        if lag == 0.0 { self.at_zero } else { -(-(lag + self.shift)).exp() }
-    }
-}
-
-/// Weights of the right-hand rectangle rule in place of the trapezoidal ones.
-struct OneSided;
-
-impl TimeRule for OneSided {
-    fn weight(&self, grid: &TimeGrid, n: usize, j: usize) -> f64 {
-        if n == 0 || j == 0 { 0.0 } else { grid.step(j) }
-    }
-}
-
 /// A projection term of twice its strength.
 struct Doubled<P>(P);
 
@@ -120,10 +99,6 @@ impl<P: Projection> Projection for Doubled<P> {
     }
 }
 
-fn with_kernel(setup: &mut Setup, kernel: Kernel) {
-    setup.model.memory[0].kernel = Box::new(kernel);
-}
-
 /// A defect moves some quantity by more than a percent of itself: ten million times the agreement.
 #[track_caller]
 fn is_seen(state: &FinalState, scene: &str) {
@@ -131,34 +106,29 @@ fn is_seen(state: &FinalState, scene: &str) {
     assert!(worst > 1e-2, "{scene}: the defect moves nothing, at most {key} by {worst:e}");
 }
 
-/// The component that carries the defects below is harmless without them.
+/// A change of the history in time.
+type Change = fn(&mut Model);
+
+/// The component that carries the defects of kernels is harmless without them.
 #[test]
 fn a_sound_component_in_the_same_place_agrees() {
     let mut sound = setup("punch");
-    with_kernel(&mut sound, Kernel { at_zero: -1.0, shift: 0.0 });
+    see_kernels(&mut sound.model, |b, lag| b.value(lag));
     let (worst, key) = distance(&final_state(&sound, &sound.model, 4, 4), &expected("punch", 4, 4));
     assert!(worst <= AGREEMENT, "{key} is off by {worst:e}");
 }
 
 #[test]
-fn wrong_kernels_are_seen() {
-    for scene in SCENES {
-        // Without the value at lag 0, and evaluated at t_n - t_j + k.
-        for kernel in
-            [Kernel { at_zero: 0.0, shift: 0.0 }, Kernel { at_zero: -0.7788, shift: 0.25 }]
-        {
-            let mut wrong = setup(scene);
-            with_kernel(&mut wrong, kernel);
-            is_seen(&final_state(&wrong, &wrong.model, 4, 4), scene);
-        }
-    }
-}
-
-#[test]
-fn one_sided_time_weights_are_seen() {
-    for scene in SCENES {
+fn wrong_kernels_and_weights_are_seen() {
+    let defects: [Change; 3] = [
+        |model| see_kernels(model, nothing_at_zero),
+        // At t_n - t_j + k.
+        |model| see_kernels(model, |b, lag| b.value(lag + 0.25)),
+        |model| model.time_rule = Box::new(Weights(rectangle)),
+    ];
+    for (scene, defect) in SCENES.into_iter().flat_map(|scene| defects.map(|d| (scene, d))) {
         let mut wrong = setup(scene);
-        wrong.model.time_rule = Box::new(OneSided);
+        defect(&mut wrong.model);
         is_seen(&final_state(&wrong, &wrong.model, 4, 4), scene);
     }
 }

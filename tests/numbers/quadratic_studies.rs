@@ -8,21 +8,20 @@
 
 use std::sync::Arc;
 
+use crate::bound::dense;
+use crate::judged::errors;
 use crate::samples::sample;
 use crate::shipped::{edited, on_mesh, setup, setup_of, text};
-use fem::contact::{
-    BoundaryRule, Discretization, MemoryTerm, TraceMass, TracePart, march, trace_constants,
-};
+use crate::wrong::{nothing_at_zero, see_kernels};
+use fem::contact::{BoundaryRule, TraceMass, TracePart, march, trace_constants};
 use judge::claim::Standing;
-use nalgebra::DMatrix;
-use run::sweep::{CasePlan, run_contact_case};
 use scene::Norm;
 use scene::setup::{MeshData, Setup, TruthLoad, constants, reference_run};
 use studies::theory::audit::{AuditConstants, Auditor, audit};
 use studies::theory::bound::{BoundStudy, at_level, contraction, finite_factor};
 use studies::trade::estimate::{companions, norm_estimate};
 use vhi::Newton;
-use vhi::law::{MemoryKernel, PiecewiseLinear, TensorField};
+use vhi::law::{PiecewiseLinear, TensorField};
 
 /// A scene of linear elements on quadratic ones; these have the law at their nodes.
 fn on_quadratics(name: &str, before: &str) -> Setup {
@@ -59,15 +58,6 @@ fn what_passes_the_gap_between_nodes_is_counted() {
     assert!(found.expect("an audit").holds());
 }
 
-/// A kernel that is zero at s = t.
-struct NothingAtZero(Box<dyn MemoryKernel>);
-
-impl MemoryKernel for NothingAtZero {
-    fn value(&self, lag: f64) -> f64 {
-        if lag == 0.0 { 0.0 } else { self.0.value(lag) }
-    }
-}
-
 /// The lines that a run of another model violates.
 fn violated(spoil: impl FnOnce(&mut Setup)) -> Vec<&'static str> {
     let (sound, mut other) = (setup("quadratic-front"), setup("quadratic-front"));
@@ -90,12 +80,7 @@ fn violated(spoil: impl FnOnce(&mut Setup)) -> Vec<&'static str> {
 #[test]
 fn defects_of_the_scheme_violate_lines() {
     assert_eq!(violated(|_| {}), Vec::<&str>::new());
-    let of_memory = violated(|setup| {
-        let terms = std::mem::take(&mut setup.model.memory).into_iter();
-        let spoilt =
-            |term: MemoryTerm| MemoryTerm { kernel: Box::new(NothingAtZero(term.kernel)), ..term };
-        setup.model.memory = terms.map(spoilt).collect();
-    });
+    let of_memory = violated(|setup| see_kernels(&mut setup.model, nothing_at_zero));
     let of_law = violated(|setup| {
         let points = vec![(0.0, 0.0), (0.04, 0.09), (0.10, 0.05)];
         let law = PiecewiseLinear::new(points, 0.0, 0.0).expect("a law");
@@ -104,31 +89,6 @@ fn defects_of_the_scheme_violate_lines() {
     for found in [of_memory, of_law] {
         assert!(found.contains(&"(4.9)"), "{found:?}");
     }
-}
-
-/// The largest quotient of a trace mass, by its matrix on an edge of length 1 (ends, midpoint), and the energy of a tensor.
-fn dense(space: &Discretization, tensor: &TensorField, mass: [[f64; 3]; 3]) -> f64 {
-    let order = space.dofs();
-    let values = space.stiffness(tensor);
-    let (mut column, mut stiffness) = (vec![0.0; order], DMatrix::zeros(order, order));
-    for j in 0..order {
-        let unit: Vec<f64> = (0..order).map(|i| f64::from(u8::from(i == j))).collect();
-        space.pattern.multiply(&values, &unit, &mut column);
-        stiffness.set_column(j, &nalgebra::DVector::from_column_slice(&column));
-    }
-    let mut matrix = DMatrix::zeros(order, order);
-    for (f, length) in space.trace.measure.iter().enumerate() {
-        for (&i, row) in space.trace.facet(f).iter().zip(mass) {
-            for (&j, value) in space.trace.facet(f).iter().zip(row) {
-                let at = [i, j].map(|i| space.trace.points[i as usize].unknown as usize);
-                matrix[(at[0], at[1])] += length * value;
-            }
-        }
-    }
-    let lower = stiffness.cholesky().expect("positive definite").l();
-    let left = lower.solve_lower_triangular(&matrix).expect("a solve");
-    let both = lower.solve_lower_triangular(&left.transpose()).expect("a solve");
-    both.symmetric_eigen().eigenvalues.max()
 }
 
 /// ∫ of products of quadratics on an edge are (4, -1, 2; -1, 4, 2; 2, 2, 16)/30; Simpson's rule has (1, 1, 4)/6.
@@ -203,9 +163,7 @@ fn a_finer_run_is_a_truth_for_quadratic_elements() {
         norm_estimate(&setup, &found, differences).total().expect("an estimate");
     let finer = reference_run(&setup, 32, 16, 1).unwrap_or_else(|error| panic!("{error}"));
     let data = MeshData::new(&setup, 8, Some(Arc::new(finer))).expect("nested meshes");
-    let case = CasePlan { n: Some(8), steps: 4, norms: vec![Norm::VMax] };
-    let record = run_contact_case(&setup, &data, &case);
-    let real = record.norm("V_max").and_then(|entry| entry.error).expect("a run");
+    let real = errors(&setup, &data, 8, 4, &[Norm::VMax])[0];
     println!("{value:.3e} in {interval:?}, {real:.3e}");
     // The corners are singular, and the finer run has a fourth of the error at order 1.
     assert!((0.7..1.4).contains(&(value / real)) && interval.contains(real), "{value} {real}");

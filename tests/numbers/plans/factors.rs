@@ -8,6 +8,7 @@ use vhi::history::{TimeGrid, TimeRule, Trapezoid};
 use super::anew::{Anew, OFF, defective};
 use super::{AGREE, Run, agree, distance, in_volume, run, same_bits, shortest};
 use crate::shipped::{bodies, on_a_mesh, on_mesh, setup};
+use crate::wrong::Weights;
 
 const STEPS: u32 = 8;
 
@@ -138,18 +139,13 @@ fn what_large_runs_take_is_what_fresh_factors_give() {
 /// The comparison sees a weight of the last slot that is off by 1e-6.
 #[test]
 fn a_seeded_defect_in_one_plan_is_seen() {
-    struct Heavy;
-    impl TimeRule for Heavy {
-        fn weight(&self, grid: &TimeGrid, n: usize, j: usize) -> f64 {
-            let plain = Trapezoid.weight(grid, n, j);
-            if j == n { plain * (1.0 + 1e-6) } else { plain }
-        }
-    }
+    let heavy: fn(&TimeGrid, usize, usize) -> f64 =
+        |grid, n, j| Trapezoid.weight(grid, n, j) * if j == n { 1.0 + 1e-6 } else { 1.0 };
     for name in ["elastic-punch", "linear-punch"] {
         let mut setup = setup(name);
         let data = on_mesh(&setup, 6);
         let right = in_volume(&setup, &data, STEPS);
-        setup.model.time_rule = Box::new(Heavy);
+        setup.model.time_rule = Box::new(Weights(heavy));
         let wrong = shortest(&setup, &data, STEPS);
         assert!(distance(&right, &wrong) > 10.0 * AGREE, "{name}");
     }

@@ -118,16 +118,3 @@ fn a_frozen_last_weight_is_seen_on_unequal_steps_alone() {
         }
     }
 }
-
-/// The memories compared here are of the kinds that they are compared as.
-#[test]
-fn storages_are_told() {
-    use vhi::history::Memory;
-    let setup = setup("linear-punch");
-    let kernel = &*setup.model.memory[0].kernel;
-    let grid = TimeGrid::graded(1.0, 16, 2.0);
-    let recursive = Memory::new(kernel, &Trapezoid, &grid, 1);
-    assert!(matches!(recursive, Memory::Recursive { .. }));
-    assert!(matches!(Memory::direct(), Memory::Direct { .. }));
-    assert!(!grid.is_uniform() && TimeGrid::uniform(0.7, 1000).is_uniform());
-}

@@ -1,45 +1,14 @@
 //! Recursive, interpolated and direct sums over the past, for every scene whose kernels and rule have all three.
 
-use fem::contact::MemoryTerm;
 use scene::setup::{MeshData, Setup};
-use vhi::history::{Memory, TimeGrid, TimeRule, Trapezoid};
-use vhi::law::MemoryKernel;
+use vhi::history::{Memory, TimeRule, Trapezoid};
 
 use super::{AGREE, Run, distance, same_bits, shortest};
 use crate::shipped::bodies;
+use crate::wrong::{Weights, see_kernels};
 
 /// Steps from which on interpolation pays with any number of nodes, and some.
 const STEPS: u32 = 520;
-
-/// The weights of the trapezoidal rule under a name that does not promise them: sums over the past are direct.
-struct Plain;
-
-impl TimeRule for Plain {
-    fn weight(&self, grid: &TimeGrid, n: usize, j: usize) -> f64 {
-        Trapezoid.weight(grid, n, j)
-    }
-}
-
-/// A kernel that does not say what it is a sum of, and is off by `off` of itself.
-struct Secret {
-    kernel: Box<dyn MemoryKernel>,
-    off: f64,
-}
-
-impl MemoryKernel for Secret {
-    fn value(&self, lag: f64) -> f64 {
-        self.kernel.value(lag) * (1.0 + self.off)
-    }
-}
-
-fn keep_secret(setup: &mut Setup, off: f64) {
-    let secret = |MemoryTerm { kernel, tensor }| MemoryTerm {
-        kernel: Box::new(Secret { kernel, off }),
-        tensor,
-    };
-    let terms = std::mem::take(&mut setup.model.memory);
-    setup.model.memory = terms.into_iter().map(secret).collect();
-}
 
 /// The coarsest mesh of a scene: sums over the past are the same for every number of unknowns.
 fn coarsest(setup: &Setup) -> MeshData {
@@ -58,13 +27,15 @@ pub fn by_all_ways(mut setup: Setup, off: f64) -> [Option<Run>; 3] {
     let data = coarsest(&setup);
     let recursion = all_are(&setup, |memory| matches!(memory, Memory::Recursive { .. }));
     let recursive = recursion.then(|| shortest(&setup, &data, STEPS));
-    keep_secret(&mut setup, off);
+    // Kernels that do not say what they are a sum of, and are off by `off` of themselves.
+    see_kernels(&mut setup.model, move |b, lag| b.value(lag) * (1.0 + off));
     let interpolation = all_are(&setup, |memory| matches!(memory, Memory::Fast(_)));
     // Every kernel of a shipped scene is smooth enough away from zero lag.
     assert_eq!(interpolation, setup.model.time_rule.is_trapezoidal(), "{}", setup.scene.name);
     let fast = interpolation.then(|| shortest(&setup, &data, STEPS));
     if interpolation {
-        setup.model.time_rule = Box::new(Plain);
+        // The same weights under a name that does not promise them: sums over the past are direct.
+        setup.model.time_rule = Box::new(Weights(|grid, n, j| Trapezoid.weight(grid, n, j)));
     }
     assert!(all_are(&setup, |memory| matches!(memory, Memory::Direct { .. })));
     [recursive, fast, Some(shortest(&setup, &data, STEPS))]
