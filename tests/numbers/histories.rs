@@ -6,13 +6,12 @@
 
 use std::sync::Arc;
 
+use crate::judged::{foreseen, record};
 use crate::shipped::{edited, on_mesh, setup_of, text, v_max};
 use exact::Truth;
 use fem::contact::LoadError;
 use fem::norms::Moments;
 use formula::{Graph, Node, Program, Scope, Variable};
-use run::leading_error::{Case, InTime, MeasuredNorm, leading_errors};
-use run::sweep::{CasePlan, run_contact_case};
 use scene::setup::{MeshData, Setup, Subject};
 use scene::{Direction, Norm};
 
@@ -90,62 +89,47 @@ fn roots_at_a_place_in_time_are_integrated_to_rounding() {
     }
 }
 
+/// ∫_0^t b(t-s) f(s) ds, to some roundings more.
+fn check_past(kernel: &str, f: &str, times: &[f64], exact: impl Fn(f64) -> f64) {
+    let mut graph = Graph::new();
+    let [b, g] = [kernel, f].map(|text| parsed(&mut graph, text));
+    let past = graph.convolve(b, g);
+    for (t, found) in times.iter().zip(values(&mut graph, past, times)) {
+        let relative = (found / exact(*t) - 1.0).abs();
+        assert!(relative < 1e-13, "{kernel} against {f} at {t}: {relative:e}");
+    }
+}
+
+const TIMES: [f64; 6] = [1e-3, 0.01, 1.0 / 64.0, 0.25, 0.3337, 1.0];
+
 /// ∫ (t-s)^p s^m ds with an integer m, and 1/(1 + t-s) against s^a: both ends, one, none.
 #[test]
 fn general_kernels_meet_powers_at_both_ends() {
-    let mut graph = Graph::new();
-    let times = [1e-3, 0.01, 1.0 / 64.0, 0.25, 0.3337, 1.0];
     for a in POWERS {
         // B(1 + a, 2 - a) = a (1 - a) π / (2 sin πa), t^{a + (1-a) + 1} = t².
-        let kernel = parsed(&mut graph, &format!("t^{a}"));
-        let f = parsed(&mut graph, &format!("t^{}", 1.0 - a));
-        let past = graph.convolve(kernel, f);
         let pi = std::f64::consts::PI;
         let beta = a * (1.0 - a) * pi / (2.0 * (pi * a).sin());
-        for (t, found) in times.iter().zip(values(&mut graph, past, &times)) {
-            let relative = (found / (beta * t * t) - 1.0).abs();
-            assert!(relative < 1e-13, "t^{a} and its complement at {t}: {relative:e}");
-        }
-        let kernel = parsed(&mut graph, "1/(2 - t)");
-        let f = parsed(&mut graph, &format!("t^{a}"));
-        let past = graph.convolve(kernel, f);
+        check_past(&format!("t^{a}"), &format!("t^{}", 1.0 - a), &TIMES, |t| beta * t * t);
         // 1/(2 - t + s) = Σ_k (-s)^k / (2 - t)^{k+1}, for t below 1.
-        let series = |t: f64| {
+        check_past("1/(2 - t)", &format!("t^{a}"), &TIMES[..5], |t| {
             let term =
                 |k: i32| (-1.0f64).powi(k) * (t / (2.0 - t)).powi(k) / (a + 1.0 + f64::from(k));
             t.powf(a + 1.0) / (2.0 - t) * (0..200).map(term).sum::<f64>()
-        };
-        for (t, found) in times.iter().zip(values(&mut graph, past, &times)).take(5) {
-            let relative = (found / series(*t) - 1.0).abs();
-            assert!(relative < 1e-13, "1/(2 - t) and t^{a} at {t}: {relative:e}");
-        }
+        });
     }
 }
 
 /// ∫_0^t (t-s)^{-a} s^a ds = t πa/sin πa, infinite at one end, and (t-s)^{-a} (1 + t-s) against s.
 #[test]
 fn kernels_that_are_infinite_at_lag_zero_are_integrated_to_rounding() {
-    let mut graph = Graph::new();
-    let times = [1e-3, 0.01, 1.0 / 64.0, 0.25, 0.3337, 1.0];
     for a in POWERS {
-        let kernel = parsed(&mut graph, &format!("t^(-{a})"));
-        let f = parsed(&mut graph, &format!("t^{a}"));
-        let past = graph.convolve(kernel, f);
         let pi = std::f64::consts::PI;
         let beta = pi * a / (pi * a).sin();
-        for (t, found) in times.iter().zip(values(&mut graph, past, &times)) {
-            let relative = (found / (beta * t) - 1.0).abs();
-            assert!(relative < 1e-13, "t^-{a} against t^{a} at {t}: {relative:e}");
-        }
-        let kernel = parsed(&mut graph, &format!("t^(-{a})*(1 + t)"));
-        let f = parsed(&mut graph, "t");
-        let past = graph.convolve(kernel, f);
+        check_past(&format!("t^(-{a})"), &format!("t^{a}"), &TIMES, |t| beta * t);
         // ∫ λ^p (t - λ) dλ = t^{p+2}/((p+1)(p+2)) for p = -a and 1 - a.
         let part = |p: f64, t: f64| t.powf(p + 2.0) / ((p + 1.0) * (p + 2.0));
-        for (t, found) in times.iter().zip(values(&mut graph, past, &times)) {
-            let relative = (found / (part(-a, *t) + part(1.0 - a, *t)) - 1.0).abs();
-            assert!(relative < 1e-13, "t^-{a} (1 + t) against t at {t}: {relative:e}");
-        }
+        let whole = |t: f64| part(-a, t) + part(1.0 - a, t);
+        check_past(&format!("t^(-{a})*(1 + t)"), "t", &TIMES, whole);
     }
 }
 
@@ -193,23 +177,14 @@ fn scalar_error(f: impl Fn(f64) -> f64, history: impl Fn(f64) -> f64, steps: u32
 
 /// Error and floor of one case.
 fn measured(setup: &Setup, data: &MeshData, steps: u32) -> [f64; 2] {
-    let case = CasePlan { n: Some(1), steps, norms: vec![Norm::VMax] };
-    let record = run_contact_case(setup, data, &case);
+    let record = record(setup, data, 1, steps, &[Norm::VMax]);
     let entry = &record.errors[0];
     [entry.error, entry.floor].map(|value| value.unwrap_or_else(|| panic!("{:?}", record.status)))
 }
 
 fn predicted(setup: Setup, order: f64, list: &[u32]) -> Vec<f64> {
-    let measured =
-        MeasuredNorm { norm: Norm::VMax, variable: Direction::K, order, time_reference: 8 };
-    let cases: Vec<Case> = list.iter().map(|&steps| Case { n: Some(1), steps }).collect();
-    let errors = leading_errors(
-        &Subject::Contact(Box::new(setup)),
-        &measured,
-        &cases,
-        &mut InTime::default(),
-    );
-    let errors = errors.unwrap_or_else(|error| panic!("{error}"));
+    let subject = Subject::Contact(Box::new(setup));
+    let errors = foreseen(&subject, (Norm::VMax, Direction::K, order), Some(1), list);
     errors.points.iter().map(|point| point.error).collect()
 }
 

@@ -4,11 +4,10 @@
 //! Mesh: 6 cells along an edge, in space 2; 4 steps. Data: `two-laws` and `gap-and-law`, contact on two sides with a common corner.
 //! Defects: laws and gaps exchanged between sides; the descent of one side alone in (2.9).
 
-use crate::shipped::{edited, on_mesh, run, setup_of, text};
+use crate::shipped::{edited, on_mesh, refusal, run, scene_of, setup_of, text};
 use algebra::linalg::signed_unit;
 use fem::contact::{Discretization, TraceMass, TracePart, weighted_trace_constants};
 use scene::setup::{Setup, constants, falling_sides};
-use scene::{Scene, Source};
 use vhi::law::TensorField;
 
 const STEPS: u32 = 4;
@@ -33,12 +32,15 @@ const BOTTOM: &str =
     "points = [[0.0, 0.0], [0.04, 0.08], [0.10, 0.05]], slope_before = 0.0, slope_after = 0.0 }";
 const RIGHT: &str = "shift = \"0.01\"\nlaw = { kind = \"piecewise-linear\", points = [[0.0, 0.0]], slope_before = 0.0, slope_after = 1.5 }";
 
-/// `two-laws` with other tables of contact.
-fn with_contact(tables: &str) -> Setup {
-    let written = text("two-laws");
+/// A text of `two-laws` with other tables of contact.
+fn between(written: &str, tables: &str) -> Setup {
     let (start, end) = (written.find("[[contact]]"), written.find("[exact]"));
     let (start, end) = (start.expect("tables"), end.expect("a solution"));
     setup_of(format!("{}{tables}\n\n{}", &written[..start], &written[end..]))
+}
+
+fn with_contact(tables: &str) -> Setup {
+    between(&text("two-laws"), tables)
 }
 
 #[test]
@@ -69,11 +71,7 @@ fn a_side_without_law_and_gap_is_a_side_without_contact() {
         let written = edited(&text("two-laws"), "[\"left\"]", "[\"left\", \"right\"]");
         let written =
             edited(&written, "contact = [\"bottom\", \"right\"]", "contact = [\"bottom\"]");
-        let (start, end) = (written.find("[[contact]]"), written.find("[exact]"));
-        let (start, end) = (start.expect("tables"), end.expect("a solution"));
-        let alone =
-            format!("{}[contact]\n{law}\n{element}\n{}", &written[..start], &written[end..]);
-        let alone = setup_of(alone);
+        let alone = between(&written, &format!("[contact]\n{law}\n{element}"));
         let [off, seen] = [
             &beside,
             &with_contact(&format!("{table}[[contact]]\nsides = [\"right\"]\n{RIGHT}\n{element}")),
@@ -222,18 +220,17 @@ fn all_sides_together_take_at_most_what_is_printed() {
 /// On a line two laws would have one vertex with one u_ν in common; at a corner it has two.
 #[test]
 fn sides_that_go_straight_on_share_their_law() {
-    let read = |middle: &str| {
-        let text = format!(
+    let text = |middle: &str| {
+        format!(
             "[scene]\nname = \"straight\"\nquestion = \"?\"\ndimension = 2\njudge = false\n\
              [domain]\nshape = \"polygon\"\nvertices = [[0.0, 0.0], {middle}, [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]]\n\
              clamped = [\"s4\"]\ntraction = [\"s3\", \"s5\"]\ncontact = [\"s1\", \"s2\"]\n\
              [time]\nhorizon = 1.0\n[material]\nlambda = 1.0\nmu_L = 1.0\n\
              [[contact]]\nsides = [\"s1\"]\ngap = \"0.1\"\n[[contact]]\nsides = [\"s2\"]\n\
              [loads]\nbody = [\"0\", \"-t\"]\n"
-        );
-        Scene::from_source(Source::from_text("manufactured/edited.toml", text))
+        )
     };
-    let refused = read("[0.5, 0.0]").expect_err("one vertex with two laws").to_string();
+    let refused = refusal(text("[0.5, 0.0]"));
     assert!(refused.contains("meet at") && refused.contains("go straight on"), "{refused}");
-    read("[0.5, -0.1]").unwrap_or_else(|error| panic!("{error}"));
+    scene_of(text("[0.5, -0.1]"));
 }
