@@ -66,8 +66,10 @@ fn distances(exact: &Exact) -> [f64; 4] {
 
 #[test]
 fn fields_agree() {
-    for (kind, off) in KINDS.iter().zip(distances(&exact())) {
-        assert!(off <= FIELDS, "{kind} is off by {off:e}");
+    // u and ε have no history.
+    let most = [1e-11, 4e-11, FIELDS, FIELDS];
+    for ((kind, off), most) in KINDS.iter().zip(distances(&exact())).zip(most) {
+        assert!(off <= most, "{kind} is off by {off:e}");
     }
 }
 

@@ -117,34 +117,3 @@ fn contact_states_are_the_ones_promised() {
     assert_eq!(Pure::of("pure-strong").check(true), [true, true, true]);
     assert_eq!(Pure::of("sourced").check(false), [false, true, true]);
 }
-
-/// Values of an independent implementation (fixtures/pure-strong.json).
-#[test]
-fn pure_strong_agrees_with_the_frozen_values() {
-    let pure = Pure::of("pure-strong");
-    let frozen = [
-        (
-            0.1,
-            [0.01380885173044, -0.08511329895912],
-            [0.0178684398854, -0.01395536683441, 0.1090675574176],
-        ),
-        (
-            0.45,
-            [-0.01783016095472, -0.06400466525091],
-            [-0.003204563981618, 3.204849158794e-05, 0.1449238734325],
-        ),
-        (
-            0.8,
-            [-0.01672789178881, -0.01113162830955],
-            [0.2303886859821, -0.001814496644665, 0.1400891913652],
-        ),
-    ];
-    for (x, u, strain) in frozen {
-        for (node, value) in pure.u.iter().zip(u) {
-            assert!((pure.at(*node, x, 0.15, 1.0) - value).abs() < 1e-12);
-        }
-        for (node, value) in pure.strain.iter().zip(strain) {
-            assert!((pure.at(*node, x, 0.15, 1.0) - value).abs() < 1e-11);
-        }
-    }
-}
