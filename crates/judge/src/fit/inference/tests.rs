@@ -8,8 +8,8 @@ use std::collections::HashMap;
 use std::rc::Rc;
 
 use super::line::infer;
-use super::{Claim, ClaimError, Known, Posterior, TOLERANCE, infer_grid};
-use crate::fit::{Decision, FitError, Level, LevelError, Point, student_quantile};
+use super::{Claim, ClaimError, Known, Posterior, TOLERANCE};
+use crate::fit::{Decision, FitError, Level, LevelError, student_quantile};
 
 mod classes;
 mod invariances;
@@ -298,76 +298,6 @@ fn other_rules_do_not_meet_them() {
     }
 }
 
-/// Halvings from 1/4 with these local orders, against a claim.
-fn of_slopes(slopes: &[f64], order: f64) -> Decision {
-    let mut table = vec![level(0.25, 0.3)];
-    for slope in slopes {
-        let last = table[table.len() - 1];
-        table.push(level(0.5 * last.size(), last.error() * 0.5f64.powf(*slope)));
-    }
-    judge(&table, order)
-}
-
-#[test]
-fn a_coarser_mesh_takes_no_pass_away() {
-    let fine = [1.97, 1.99, 2.0, 2.0];
-    assert_eq!(of_slopes(&fine, 2.0), Decision::Pass);
-    for coarser in [0.2, 0.8, 1.5, 2.6] {
-        let slopes: Vec<f64> = std::iter::once(coarser).chain(fine).collect();
-        assert_eq!(of_slopes(&slopes, 2.0), Decision::Pass, "{coarser}");
-    }
-}
-
-#[test]
-#[ignore = "prints the whole table: a minute"]
-fn table_of_the_simulation() {
-    for (name, rule) in [
-        ("inference", judge as fn(&[Level], f64) -> Decision),
-        ("last pair", last_pair),
-        ("Student", student),
-    ] {
-        println!("{name}: pass/fail in percent, at the truth, ±1/4, ±1/2, +0.10");
-        for class in CLASSES {
-            for levels in 3..=8 {
-                let of = |offset: f64| {
-                    let [pass, fail] = shares(rule, (class, levels, offset), 5_000..5_100);
-                    format!("{:3.0}/{:<3.0}", 100.0 * pass, 100.0 * fail)
-                };
-                let cells = [0.0, 0.25, -0.25, 0.5, -0.5, 0.10].map(of).join("  ");
-                println!("{:16} {levels}  {cells}", format!("{class:?}"));
-            }
-        }
-    }
-}
-
-#[test]
-#[ignore = "timing"]
-fn time_a_grid() {
-    for levels in [3, 4, 6] {
-        let step = |i: i32| 0.125 * 0.5f64.powi(i);
-        let pairs = (0..levels).flat_map(|i| (0..levels).map(move |j| (step(i), 4.0 * step(j))));
-        let error = |h: f64, k: f64| 0.6 * h * (1.0 + 0.3 * h) + k * k;
-        let points = pairs.map(|(h, k)| Point { h, k, error: error(h, k), floor: 0.0 });
-        let points: Vec<Point> = points.collect();
-        let start = std::time::Instant::now();
-        (0..20).for_each(|_| _ = infer_grid(&points, None));
-        println!("{levels}: {:.2} ms", start.elapsed().as_secs_f64() * 1e3 / 20.0);
-    }
-}
-
-#[test]
-#[ignore = "timing"]
-fn time_a_table() {
-    for levels in 3..=8 {
-        let mut random = Random::new(1);
-        let tables: Vec<_> =
-            (0..500).map(|_| table(Class::Smooth, 1.0, levels, &mut random)).collect();
-        let start = std::time::Instant::now();
-        tables.iter().for_each(|table| _ = judge(table, 1.0));
-        println!("{levels}: {:.3} ms", start.elapsed().as_secs_f64() * 1e3 / 500.0);
-    }
-}
-
 #[test]
 fn what_is_no_table_is_refused() {
     let [a, b, c] = [0.25, 0.125, 0.0625].map(|h| level(h, h));
@@ -394,19 +324,4 @@ fn what_is_no_table_is_refused() {
     for order in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
         assert!(Claim::new(order).is_err());
     }
-}
-
-#[test]
-fn a_logarithm_that_is_named_is_divided_out() {
-    let table: Vec<Level> =
-        (2..9).map(|i| 0.5f64.powi(i)).map(|h| level(h, h * h.ln().abs())).collect();
-    let claim = Claim::new(1.0).expect("a claim");
-    let of = |log| {
-        infer(&table, &Known { log, ..Known::default() })
-            .expect("a posterior")
-            .decide(&claim)
-            .decision
-    };
-    assert_eq!(of(1.0), Decision::Pass);
-    assert_ne!(of(0.0), Decision::Pass);
 }

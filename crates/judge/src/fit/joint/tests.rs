@@ -33,21 +33,6 @@ fn bias_of_the_space_error_is_covered() {
     }
 }
 
-#[test]
-fn a_floor_is_fitted_on_request() {
-    let fits = joint_fits(&grid(5, |h, k| 1e-3 + 0.3 * h + 4.0 * k * k), true).unwrap();
-    // The floor is a tenth of the smallest error.
-    assert!((fits.best.floor.unwrap() - 1e-3).abs() < 1e-7);
-}
-
-#[test]
-fn constants_under_given_orders() {
-    let points = grid(3, |h, k| 0.3 * h + 4.0 * k * k);
-    let [space, time] = fit_constants(&points, ErrorCombination::Sum, (1.0, 2.0)).unwrap();
-    assert!((space.value - 0.3).abs() < 1e-8 && (time.value - 4.0).abs() < 1e-7);
-    assert!(fit_constants(&points[..2], ErrorCombination::Sum, (1.0, 2.0)).is_err());
-}
-
 /// A misfitting model has no influence on the interval; one that fits as well has.
 #[test]
 fn the_other_model_counts_where_it_fits_as_well() {
