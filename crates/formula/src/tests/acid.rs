@@ -1,7 +1,5 @@
 //! A displacement field with moving kinks in its third derivatives.
 
-use std::time::Instant;
-
 use super::plain::by_definition;
 use super::{EvaluationPoint, Graph, Node, Variable, assert_close, everything, node};
 use crate::Program;
@@ -88,43 +86,5 @@ fn no_integral_depends_on_y() {
     assert!(integrals.len() >= 4);
     for n in integrals {
         assert!(!graph.depends_on(n, Variable::Y) && !graph.depends_on(n, Variable::Z));
-    }
-}
-
-fn structured() -> Vec<[f64; 3]> {
-    let triangle =
-        [[0.09, 0.09], [0.09, 0.82], [0.82, 0.09], [0.445, 0.445], [0.445, 0.11], [0.11, 0.445]];
-    let mut points = Vec::new();
-    for cell in 0..64 * 64 {
-        let (i, j) = (f64::from(cell % 64), f64::from(cell / 64));
-        for half in 0..2 {
-            for [a, b] in triangle {
-                let [a, b] = if half == 0 { [a, b] } else { [1.0 - a, 1.0 - b] };
-                points.push([(i + a) / 64.0, (j + b) / 64.0, 0.0]);
-            }
-        }
-    }
-    points
-}
-
-#[test]
-#[ignore = "prints timings"]
-fn timing() {
-    let mut graph = Graph::new();
-    let outputs = field(&mut graph);
-    let start = Instant::now();
-    let program = Program::compile(&graph, &outputs[2..], 1.0);
-    println!("compile {:?}", start.elapsed());
-    let points = structured();
-    let start = Instant::now();
-    let mut bound = program.bind(&points);
-    println!("bind {:?} for {} points", start.elapsed(), points.len());
-    let mut out = vec![Vec::new(); 6];
-    for t in [0.0, 1.0, 0.5, 0.51, 0.77, 0.123, 0.9991] {
-        let start = Instant::now();
-        bound.evaluate(t, 0.0, &mut out);
-        let spent = start.elapsed();
-        let each = spent.as_nanos() as f64 / points.len() as f64;
-        println!("t = {t}: {spent:?}, {each:.1} ns per point");
     }
 }

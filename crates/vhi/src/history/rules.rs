@@ -166,13 +166,16 @@ mod tests {
     #[test]
     fn weights_are_those_of_their_row() {
         let grid = TimeGrid::graded(1.0, 8, 2.0);
-        for n in [0, 1, 5, 8] {
-            let row = ProductIntegration.kernel_row(&Power(0.5), &grid, n);
-            let weight = |j: usize| ProductIntegration.kernel_weight(&Power(0.5), &grid, n, j);
-            let alone: Vec<f64> = (0..=n).map(weight).collect();
-            // The two integrals of a weight, added in another order.
-            let pairs = row.iter().zip(&alone).map(|(a, b)| (a - b).abs());
-            assert!(row.len() == n + 1 && pairs.fold(0.0, f64::max) < 1e-15, "{row:?} {alone:?}");
+        for rule in [&CorrectedEnd { exponent: 0.5 } as &dyn TimeRule, &ProductIntegration] {
+            for n in [0, 1, 5, 8] {
+                let row = rule.kernel_row(&Power(0.5), &grid, n);
+                let weight = |j: usize| rule.kernel_weight(&Power(0.5), &grid, n, j);
+                let alone: Vec<f64> = (0..=n).map(weight).collect();
+                // The two integrals of a weight, added in another order.
+                let pairs = row.iter().zip(&alone).map(|(a, b)| (a - b).abs());
+                let apart = pairs.fold(0.0, f64::max);
+                assert!(row.len() == n + 1 && apart < 1e-15, "{row:?} {alone:?}");
+            }
         }
     }
 
@@ -256,17 +259,6 @@ mod tests {
         }
         // The wrong exponent corrects nothing.
         assert!(order(&CorrectedEnd { exponent: 0.9 }, 0.5) < 1.7);
-    }
-
-    #[test]
-    fn single_weights_are_those_of_the_row() {
-        let grid = TimeGrid::graded(2.0, 9, 1.5);
-        for rule in [&CorrectedEnd { exponent: 0.5 } as &dyn TimeRule, &ProductIntegration] {
-            let row = rule.kernel_row(&Power(0.5), &grid, 7);
-            for (j, weight) in row.iter().enumerate() {
-                assert_eq!(rule.kernel_weight(&Power(0.5), &grid, 7, j), *weight);
-            }
-        }
     }
 
     #[test]

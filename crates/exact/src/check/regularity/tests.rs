@@ -4,35 +4,31 @@ use super::*;
 use crate::{ContactFormulas, ExactData, MaterialNumbers, Status};
 use formula::{Graph, Scope, Variable};
 
-/// u = (0, a(t) p(x) (1 - y)) on (0,1)², contact below. T is not a power of two: t_n rounds.
-fn exact(amplitude: &str, profile: &str) -> Exact {
+/// u on a rectangle or a box, contact below. T is not a power of two: t_n rounds.
+fn of(u: &[&str], size: Vec<f64>) -> Exact {
     let mut graph = Graph::new();
-    let scope = Scope::new(&[Variable::X, Variable::Y, Variable::T]);
-    let u = ["0".to_string(), format!("({amplitude})*({profile})*(1 - y)")];
-    let u = u.map(|text| graph.parse(&text, &scope).expect("a formula")).to_vec();
-    let material = MaterialNumbers {
-        lambda: 1.0,
-        mu_l: 1.0,
-        full: None,
-        memory: Vec::new(),
-        projection: None,
-    };
-    let (regions, kernels) = (Vec::new(), Vec::new());
-    let contact = vec![ContactFormulas { side: 2, ..ContactFormulas::default() }];
-    let (horizon, size) = (0.7, vec![1.0, 1.0]);
+    let scope = Scope::new(&[Variable::X, Variable::Y, Variable::Z, Variable::T]);
+    let u = u.iter().map(|text| graph.parse(text, &scope).expect("a formula")).collect();
+    let (full, memory, projection) = (None, Vec::new(), None);
+    let material = MaterialNumbers { lambda: 1.0, mu_l: 1.0, full, memory, projection };
     Exact::new(ExactData {
         graph,
         u,
         material,
-        regions,
+        regions: Vec::new(),
         inner: Vec::new(),
-        kernels,
+        kernels: Vec::new(),
         kappa: None,
-        contact,
-        horizon,
+        contact: vec![ContactFormulas { side: 2, ..ContactFormulas::default() }],
+        horizon: 0.7,
         size,
         polytope: None,
     })
+}
+
+/// u = (0, a(t) p(x) (1 - y)) on (0,1)².
+fn exact(amplitude: &str, profile: &str) -> Exact {
+    of(&["0", &format!("({amplitude})*({profile})*(1 - y)")], vec![1.0, 1.0])
 }
 
 /// The side y = 0, in contact.
@@ -88,28 +84,9 @@ fn it_is_the_floor_that_tells_rounding_from_growth() {
 #[test]
 fn both_directions_of_a_face_are_looked_at() {
     let found = |profile: &str| {
-        let mut graph = Graph::new();
-        let scope = Scope::new(&[Variable::X, Variable::Y, Variable::Z, Variable::T]);
-        let u = ["0".to_string(), format!("t^2*({profile})*(1 - y)"), "0".to_string()];
-        let u = u.map(|text| graph.parse(&text, &scope).expect("a formula")).to_vec();
-        let (full, memory, projection) = (None, Vec::new(), None);
-        let material = MaterialNumbers { lambda: 1.0, mu_l: 1.0, full, memory, projection };
-        let (contact, size) =
-            (vec![ContactFormulas { side: 2, ..ContactFormulas::default() }], vec![1.0, 1.0, 0.5]);
-        let data = ExactData {
-            graph,
-            u,
-            material,
-            regions: Vec::new(),
-            inner: Vec::new(),
-            kernels: Vec::new(),
-            kappa: None,
-            contact,
-            horizon: 0.7,
-            size,
-            polytope: None,
-        };
-        let findings = regularity(&Exact::new(data), &[bottom(&[1.0, 1.0, 0.5])]);
+        let size = [1.0, 1.0, 0.5];
+        let exact = of(&["0", &format!("t^2*({profile})*(1 - y)"), "0"], size.to_vec());
+        let findings = regularity(&exact, &[bottom(&size)]);
         ["u in H2", "u_nu in H2"].map(|subject| {
             let found = findings.iter().find(|finding| finding.subject.starts_with(subject));
             found.expect("a finding").status
