@@ -89,7 +89,7 @@ pub mod contact {
 /// Elements.
 pub mod space {
     pub use fem::space::quadrature;
-    pub use fem::space::{Element, FiniteElement, Simplex};
+    pub use fem::space::{Element, FiniteElement};
 }
 
 /// Newton's method of a level.

@@ -1,7 +1,7 @@
 // Cubics on triangles, with nodes in thirds, corners first: an element of your own under a scene.
 use gronwall::scene::Scene;
 use gronwall::space::quadrature::{Rule, triangle_degree_4};
-use gronwall::space::{Element, FiniteElement, Simplex};
+use gronwall::space::{Element, FiniteElement};
 use gronwall::Sweep;
 
 #[derive(Debug)]
@@ -31,11 +31,11 @@ impl FiniteElement for Cubic {
     fn degree(&self) -> usize {
         3
     }
-    fn nodes(&self, simplex: Simplex) -> Vec<Vec<f64>> {
+    fn nodes(&self, corners: usize) -> Vec<Vec<f64>> {
         let place = |node: Vec<u32>| node.iter().map(|&i| f64::from(i) / 3.0).collect();
-        lattice(simplex.corners() as u32).into_iter().map(place).collect()
+        lattice(corners as u32).into_iter().map(place).collect()
     }
-    fn values_on(&self, _: Simplex, b: &[f64]) -> Vec<f64> {
+    fn values(&self, b: &[f64]) -> Vec<f64> {
         let value = |node: Vec<u32>| node.iter().zip(b).map(|(&i, &b)| factor(i, b).0).product();
         lattice(b.len() as u32).into_iter().map(value).collect()
     }

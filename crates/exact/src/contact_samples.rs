@@ -5,7 +5,6 @@ use super::shapes::Shapes;
 use super::shared_program::SharedProgram;
 use fem::contact::Discretization;
 use fem::norms::{ContactSamples, ContactState, is_locked, state_rule};
-use fem::space::Simplex;
 
 /// Relative distance within which r counts as the place of a jump: formulas round.
 const AT_JUMP_WITHIN: f64 = 1e-9;
@@ -33,7 +32,7 @@ impl StatePoints {
     /// Binds the formulas of `exact` on the trace of `space`, a plane mesh.
     pub(super) fn new(exact: &Exact, space: &Discretization, interpolated: bool) -> Self {
         let (mesh, trace, rule) = (&space.mesh, &space.trace, state_rule());
-        let nodes = space.element.nodes(Simplex::facet(2));
+        let nodes = space.element.nodes(2);
         let functions = Shapes::of_facet(space.element, 2);
         let shapes = interpolated.then(|| rule.points.iter().map(|b| functions.at(b)).collect());
         let mut sides = Vec::new();

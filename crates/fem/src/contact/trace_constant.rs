@@ -4,7 +4,6 @@
 //! itself whether the elastic part of a step is monotone.
 
 use super::{ContactTrace, Discretization, StiffnessInverse};
-use crate::space::Simplex;
 use algebra::linalg::{
     EigenError, Extreme, FactorError, LinearMap, largest_eigenvalue, signed_unit,
 };
@@ -141,7 +140,7 @@ impl Quotient<'_, '_> {
                 }
             }
             TraceMass::Consistent => {
-                let mean = space.element.mass(Simplex::facet(space.mesh.dimension));
+                let mean = space.element.mass(space.mesh.dimension);
                 for (f, measure) in trace.measure.iter().enumerate() {
                     let (members, measure) =
                         (trace.facet(f), (self.weight)(space.side(f)) * measure);

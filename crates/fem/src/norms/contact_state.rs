@@ -2,7 +2,6 @@
 //! the measure by which contact sets differ.
 
 use crate::contact::{Discretization, StepView};
-use crate::space::Simplex;
 use crate::space::quadrature::{Rule, edge};
 
 /// What the truth does at a point of Γ3.
@@ -80,8 +79,7 @@ pub fn state_errors(
     samples: &ContactSamples,
 ) -> StateErrors {
     let rule = state_rule();
-    let shapes: Vec<Vec<f64>> =
-        rule.points.iter().map(|b| space.element.values_on(Simplex::facet(2), b)).collect();
+    let shapes: Vec<Vec<f64>> = rule.points.iter().map(|b| space.element.values(b)).collect();
     let mut errors = StateErrors::default();
     for (f, &measure) in space.trace.measure.iter().enumerate() {
         let members = || space.trace.facet(f).iter().map(|&i| i as usize);

@@ -2,7 +2,7 @@
 
 use super::moments::{Moments, facet_samples, hausdorff};
 use crate::contact::{Discretization, Model, StepView, TracePoint};
-use crate::space::{Simplex, StrainPoint};
+use crate::space::StrainPoint;
 use algebra::in_dimension;
 
 /// Errors at one time level.
@@ -62,7 +62,7 @@ fn cells<const D: usize, const S: usize>(
         stress += at.weight * squared_distance(&discrete, &stresses[at.index]);
     }
     let (values, exact) = (view.u.as_chunks::<D>().0, truth.displacement.node.as_chunks::<D>().0);
-    let (square, mut differences) = (space.element.mean_square(Simplex::cell(D)), Vec::new());
+    let (square, mut differences) = (space.element.mean_square(D + 1), Vec::new());
     for (c, &measure) in space.geometry.measure.iter().enumerate() {
         let nodes = space.cell_nodes(c);
         let exact = &exact[nodes.len() * c..nodes.len() * (c + 1)];
@@ -96,7 +96,7 @@ fn squared_distance<const N: usize>(a: &[f64; N], b: &[f64; N]) -> f64 {
 fn facets(space: &Discretization, view: &StepView<'_>, truth: &Moments, errors: &mut StepErrors) {
     let (mut trace, mut pressure) = (truth.normal.rest, truth.pressure.rest);
     let nodes = space.trace.stride;
-    let square = space.element.mean_square(Simplex::facet(space.mesh.dimension));
+    let square = space.element.mean_square(space.mesh.dimension);
     let (mut of_trace, mut of_pressure) = (Vec::new(), Vec::new());
     for (f, &measure) in space.trace.measure.iter().enumerate() {
         of_trace.clear();

@@ -6,7 +6,7 @@ use nalgebra::DMatrix;
 use super::moments::{AtPoints, Piecewise};
 use super::refinement::{Parents, in_parent};
 use crate::contact::Discretization;
-use crate::space::{Element, Simplex, StrainShapes};
+use crate::space::{Element, StrainShapes};
 
 /// Gets parent, weight, functions of the parent and values of the field at a point of a fine simplex.
 type SeePoint<'a> = dyn FnMut(usize, f64, &[f64], &[f64]) + 'a;
@@ -87,7 +87,7 @@ pub(super) fn onto_element(
     let rule = element.square_rule(parents.corners);
     let shapes: Vec<Vec<f64>> = rule.points.iter().map(|b| element.values(b)).collect();
     let nodes = shapes[0].len();
-    let mass = element.mass(Simplex::cell(parents.corners - 1));
+    let mass = element.mass(parents.corners);
     let mass = DMatrix::from_row_slice(nodes, nodes, &mass);
     let inverse = mass.try_inverse().expect("functions that are linearly independent");
     let each_point = |see: &mut SeePoint<'_>| {
@@ -136,7 +136,7 @@ mod tests {
             let value = |c: usize, node: usize, _| nodal[fine.cell_nodes(c)[node] as usize];
             let measures = [&fine.geometry.measure[..], &coarse.geometry.measure];
             let projected = onto_element(element, &found.cells, measures, 1, value);
-            let (rule, count) = (triangle_degree_8(), element.nodes_on(Simplex::cell(2)));
+            let (rule, count) = (triangle_degree_8(), element.nodes(3).len());
             let mut products = vec![0.0; count * coarse.mesh.cell_count()];
             let mut rest = 0.0;
             for c in 0..fine.mesh.cell_count() {

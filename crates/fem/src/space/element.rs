@@ -16,7 +16,8 @@ use crate::mesh::Mesh;
 /// cell.
 ///
 /// Points are given by their barycentric coordinates b_0, …, b_d. Of a facet they are those of the cell but for the one
-/// that is zero there, and its nodes are nodes of the cell.
+/// that is zero there, and its nodes and functions are those of the cell. So a simplex is known by its number of corners:
+/// d + 1 of a cell, d of a facet.
 pub trait FiniteElement: fmt::Debug + Send + Sync {
     /// Its name in scenes and records, which no other element has.
     fn name(&self) -> &'static str;
@@ -24,11 +25,11 @@ pub trait FiniteElement: fmt::Debug + Send + Sync {
     /// The degree p of its polynomials.
     fn degree(&self) -> usize;
 
-    /// Nodes of a cell or of a facet in the order of the shape functions, those at corners first.
-    fn nodes(&self, simplex: Simplex) -> Vec<Vec<f64>>;
+    /// Nodes of a simplex with so many corners in the order of the shape functions, those at corners first.
+    fn nodes(&self, corners: usize) -> Vec<Vec<f64>>;
 
-    /// Values of the shape functions of a simplex at `b`.
-    fn values_on(&self, simplex: Simplex, b: &[f64]) -> Vec<f64>;
+    /// Values of the shape functions of a cell or facet at `b`.
+    fn values(&self, b: &[f64]) -> Vec<f64>;
 
     /// ∂φ_a/∂b_i of the shape functions φ_a of a cell at `b`, as if the d + 1 coordinates were independent.
     fn slopes(&self, b: &[f64]) -> Vec<Vec<f64>>;
@@ -88,44 +89,10 @@ impl Default for Element {
     }
 }
 
-/// A cell or a facet in dimension d.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Simplex {
-    dimension: usize,
-    corners: usize,
-}
-
-impl Simplex {
-    /// A cell.
-    pub fn cell(dimension: usize) -> Self {
-        Self { dimension, corners: dimension + 1 }
-    }
-
-    /// A facet of one.
-    pub fn facet(dimension: usize) -> Self {
-        Self { dimension, corners: dimension }
-    }
-
-    /// d, also of a facet.
-    pub fn dimension(self) -> usize {
-        self.dimension
-    }
-
-    /// Number of corners.
-    pub fn corners(self) -> usize {
-        self.corners
-    }
-
-    /// Whether it is a facet.
-    pub fn is_facet(self) -> bool {
-        self.corners == self.dimension
-    }
-
-    /// The barycentre of some of its corners; of one, this corner.
-    pub fn barycentre(self, of: &[usize]) -> Vec<f64> {
-        let share = 1.0 / of.len() as f64;
-        (0..self.corners).map(|a| if of.contains(&a) { share } else { 0.0 }).collect()
-    }
+/// The barycentre of some corners of a simplex with `corners` of them; of one, this corner.
+pub(super) fn barycentre(of: &[usize], corners: usize) -> Vec<f64> {
+    let share = 1.0 / of.len() as f64;
+    (0..corners).map(|a| if of.contains(&a) { share } else { 0.0 }).collect()
 }
 
 /// Nodes of cells and of boundary facets, as points of the mesh.
@@ -135,16 +102,6 @@ pub(crate) struct Places {
 }
 
 impl Element {
-    /// Nodes on a simplex.
-    pub fn nodes_on(self, simplex: Simplex) -> usize {
-        self.nodes(simplex).len()
-    }
-
-    /// Values of the shape functions of a cell at barycentric coordinates `b`.
-    pub fn values(self, b: &[f64]) -> Vec<f64> {
-        self.values_on(Simplex::cell(b.len() - 1), b)
-    }
-
     /// A rule on a simplex with so many corners that is exact for the product of two of its functions.
     pub fn square_rule(self, corners: usize) -> Rule {
         let degree = self.degree();
@@ -157,13 +114,13 @@ impl Element {
         }
     }
 
-    /// Means of products of two shape functions over a simplex, row by row.
-    pub fn mass(self, simplex: Simplex) -> Vec<f64> {
-        let rule = self.square_rule(simplex.corners);
-        let count = self.nodes_on(simplex);
+    /// Means of products of two shape functions over a simplex with so many corners, row by row.
+    pub fn mass(self, corners: usize) -> Vec<f64> {
+        let rule = self.square_rule(corners);
+        let count = self.nodes(corners).len();
         let mut mass = vec![0.0; count * count];
         for (b, weight) in rule.points.iter().zip(&rule.weights) {
-            let values = self.values_on(simplex, b);
+            let values = self.values(b);
             for (ab, mean) in mass.iter_mut().enumerate() {
                 *mean += weight * values[ab / count] * values[ab % count];
             }
@@ -171,10 +128,10 @@ impl Element {
         mass
     }
 
-    /// How |v|² is integrated over a simplex.
-    pub fn mean_square(self, simplex: Simplex) -> MeanSquare {
-        let mass = if self == Self::P1 { Vec::new() } else { self.mass(simplex) };
-        MeanSquare::new(simplex.corners, mass)
+    /// How |v|² is integrated over a simplex with so many corners.
+    pub fn mean_square(self, corners: usize) -> MeanSquare {
+        let mass = if self == Self::P1 { Vec::new() } else { self.mass(corners) };
+        MeanSquare::new(corners, mass)
     }
 
     /// The nodes of all cells and facets of `mesh`. Those at no corner become further points of it, behind its vertices.
@@ -184,10 +141,10 @@ impl Element {
         if self == Self::P1 {
             return Places { cells, facets };
         }
-        let mut nodes = |all: &[u32], simplex: Simplex| {
-            let places = self.nodes(simplex);
-            let mut out = Vec::with_capacity(all.len() / simplex.corners * places.len());
-            for corners in all.chunks_exact(simplex.corners) {
+        let mut nodes = |all: &[u32], corners: usize| {
+            let places = self.nodes(corners);
+            let mut out = Vec::with_capacity(all.len() / corners * places.len());
+            for corners in all.chunks_exact(corners) {
                 for b in &places {
                     let all = corners.iter().copied().zip(b.iter().copied());
                     out.push(point_of(mesh, all.filter(|(_, b)| *b != 0.0).collect(), &mut known));
@@ -195,8 +152,8 @@ impl Element {
             }
             out
         };
-        let cells = nodes(&cells, Simplex::cell(d));
-        let facets = nodes(&facets, Simplex::facet(d));
+        let cells = nodes(&cells, d + 1);
+        let facets = nodes(&facets, d);
         Places { cells, facets }
     }
 }
@@ -230,26 +187,21 @@ mod tests {
     #[test]
     fn means_are_those_of_a_rule_that_is_exact_for_them() {
         for element in Element::ALL {
-            let simplices = [
-                (Simplex::facet(2), edge(5)),
-                (Simplex::cell(2), triangle_degree_6()),
-                (Simplex::facet(3), triangle_degree_6()),
-                (Simplex::cell(3), tetrahedron_degree_6()),
-            ];
-            for (simplex, rule) in simplices {
-                let count = element.nodes_on(simplex);
+            let simplices = [(2, edge(5)), (3, triangle_degree_6()), (4, tetrahedron_degree_6())];
+            for (corners, rule) in simplices {
+                let count = element.nodes(corners).len();
                 let v: Vec<[f64; 2]> =
                     (0..count).map(|a| [(a as f64 + 0.3).sin(), (2.0 * a as f64).cos()]).collect();
                 let mut square = 0.0;
                 for (b, weight) in rule.points.iter().zip(&rule.weights) {
-                    let shape = element.values_on(simplex, b);
+                    let shape = element.values(b);
                     for i in 0..2 {
                         let at: f64 = shape.iter().zip(&v).map(|(s, v)| s * v[i]).sum();
                         square += weight * at * at;
                     }
                 }
-                let found = element.mean_square(simplex).over(3.0, &v);
-                assert!((found - 3.0 * square).abs() < 2e-14, "{element:?} {simplex:?}");
+                let found = element.mean_square(corners).over(3.0, &v);
+                assert!((found - 3.0 * square).abs() < 2e-14, "{element:?} {corners}");
             }
         }
     }

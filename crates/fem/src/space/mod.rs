@@ -12,7 +12,7 @@ mod strain_shapes;
 #[cfg(test)]
 mod tests;
 
-pub use element::{Element, FiniteElement, Simplex};
+pub use element::{Element, FiniteElement};
 pub use mean_square::MeanSquare;
 pub use nodes::Nodes;
 pub use points::{StrainPoint, StrainPoints};

@@ -1,7 +1,7 @@
 //! Numbering of the nodes of V^h: free nodes first, clamped nodes (Γ1) last, so that a vector of
 //! unknowns is a prefix of a nodal vector whose tail stays zero.
 
-use super::element::{Element, Places, Simplex};
+use super::element::{Element, Places};
 use crate::mesh::Mesh;
 
 /// Node numbers of the points of a mesh: its vertices, and midpoints of edges where the element has nodes there.
@@ -29,8 +29,8 @@ impl Nodes {
     /// Numbers the points of `mesh` at which the element has nodes; those of a facet on a side in `clamped` come last.
     pub fn new(mesh: &mut Mesh, element: Element, clamped: &[u32]) -> Self {
         let Places { cells, facets } = element.places(mesh);
-        let simplices = [Simplex::cell(mesh.dimension), Simplex::facet(mesh.dimension)];
-        let [a_cell, a_facet] = simplices.map(|simplex| element.nodes_on(simplex));
+        let d = mesh.dimension;
+        let [a_cell, a_facet] = [d + 1, d].map(|corners| element.nodes(corners).len());
         let mut is_clamped = vec![false; mesh.vertices()];
         for f in mesh.facets_on(clamped) {
             for &v in &facets[a_facet * f..a_facet * (f + 1)] {
@@ -46,8 +46,7 @@ impl Nodes {
             of_vertex[v as usize] = node as u32;
         }
         let cells = cells.iter().map(|&v| of_vertex[v as usize]).collect();
-        let dimension = mesh.dimension;
-        Self { dimension, free, of_vertex, vertex, cells, a_cell, facets, a_facet }
+        Self { dimension: d, free, of_vertex, vertex, cells, a_cell, facets, a_facet }
     }
 
     /// Nodes of cell c.

@@ -1,7 +1,7 @@
 //! Geometry of shape functions: cell measures, gradients at the points where strains live, and the strain of a
 //! nodal vector there.
 
-use super::{Element, Simplex};
+use super::Element;
 use crate::mesh::Mesh;
 use algebra::tensor::{dimension, off_diagonal};
 
@@ -27,7 +27,7 @@ impl Geometry {
         let d = mesh.dimension;
         let cells = mesh.cell_count();
         let rule = element.strain_rule(d);
-        let stride = d * element.nodes_on(Simplex::cell(d));
+        let stride = d * element.nodes(d + 1).len();
         let mut measure = Vec::with_capacity(cells);
         let mut gradient = Vec::with_capacity(cells * rule.points.len() * stride);
         let mut linear = Vec::with_capacity(d * (d + 1));

@@ -1,6 +1,6 @@
 //! Whether the parts of an element belong together: nodes, functions, slopes, strain points, weights.
 
-use super::element::{Element, FiniteElement, Simplex};
+use super::element::{Element, FiniteElement};
 use super::polynomials::monomials;
 use super::quadrature::{Rule, triangle_degree_4};
 
@@ -13,10 +13,9 @@ const DIFFERENCES: f64 = 1e-7;
 
 /// Which part contradicts the others.
 fn check(element: Element, d: usize) -> Result<(), String> {
-    let (cell, facet) = (Simplex::cell(d), Simplex::facet(d));
     let (degree, strains) = (element.degree(), element.degree().saturating_sub(1));
-    functions(element, cell, degree)?;
-    functions(element, facet, degree)?;
+    functions(element, d + 1, degree)?;
+    functions(element, d, degree)?;
     nodes_of_facets(element, d)?;
     slopes(element, d)?;
     let rule = element.strain_rule(d);
@@ -50,14 +49,14 @@ fn samples(corners: usize) -> [Vec<f64>; 3] {
 }
 
 /// Σ_a φ_a(b) m(x_a) = m(b) for all monomials: with as many functions as these, they are those of the nodes.
-fn functions(element: Element, simplex: Simplex, degree: usize) -> Result<(), String> {
-    let nodes = element.nodes(simplex);
-    counted("nodes", degree, nodes.len(), simplex.corners() - 1)?;
+fn functions(element: Element, corners: usize, degree: usize) -> Result<(), String> {
+    let nodes = element.nodes(corners);
+    counted("nodes", degree, nodes.len(), corners - 1)?;
     nodes.iter().try_for_each(|node| adds_up(node))?;
     let at_nodes: Vec<Vec<f64>> = nodes.iter().map(|node| monomials(degree, node)).collect();
-    for b in samples(simplex.corners()) {
-        let values = element.values_on(simplex, &b);
-        counted("shape functions", degree, values.len(), simplex.corners() - 1)?;
+    for b in samples(corners) {
+        let values = element.values(&b);
+        counted("shape functions", degree, values.len(), corners - 1)?;
         for (m, exact) in monomials(degree, &b).into_iter().enumerate() {
             let sum: f64 = values.iter().zip(&at_nodes).map(|(value, node)| value * node[m]).sum();
             within("values", (sum - exact).abs(), ROUNDING)?;
@@ -67,9 +66,9 @@ fn functions(element: Element, simplex: Simplex, degree: usize) -> Result<(), St
 }
 
 fn nodes_of_facets(element: Element, d: usize) -> Result<(), String> {
-    let of_cell = element.nodes(Simplex::cell(d));
+    let of_cell = element.nodes(d + 1);
     let is_node = |place: &[f64]| of_cell.iter().any(|node| node == place);
-    for b in element.nodes(Simplex::facet(d)) {
+    for b in element.nodes(d) {
         for order in orders(d + 1) {
             // Coordinate 0 of the cell, wherever it goes, is that of the corner that the facet lacks.
             let place: Vec<f64> =
@@ -121,12 +120,12 @@ fn slopes(element: Element, d: usize) -> Result<(), String> {
 }
 
 fn facet_weights(element: Element, d: usize) -> Result<(), String> {
-    let (facet, rule) = (Simplex::facet(d), element.square_rule(d));
+    let rule = element.square_rule(d);
     let (weights, sum) = element.facet_weights(d);
     counted("facet weights", element.degree(), weights.len(), d - 1)?;
     let mut means = vec![0.0; weights.len()];
     for (b, weight) in rule.points.iter().zip(&rule.weights) {
-        let values = element.values_on(facet, b);
+        let values = element.values(b);
         means.iter_mut().zip(values).for_each(|(mean, value)| *mean += weight * value);
     }
     for (node, (weight, mean)) in weights.iter().zip(means).enumerate() {
@@ -165,19 +164,19 @@ impl FiniteElement for Damaged {
     fn degree(&self) -> usize {
         if self.0 == "degree" { 3 } else { 2 }
     }
-    fn nodes(&self, simplex: Simplex) -> Vec<Vec<f64>> {
-        let mut nodes = Element::P2.nodes(simplex);
+    fn nodes(&self, corners: usize) -> Vec<Vec<f64>> {
+        let mut nodes = Element::P2.nodes(corners);
         match self.0 {
             "place" => nodes[0][0] = 1.5,
-            "facet" if simplex.is_facet() => nodes[2] = vec![0.25, 0.75],
-            "nodes" if !simplex.is_facet() => nodes.swap(3, 4),
+            "facet" if corners == 2 => nodes[2] = vec![0.25, 0.75],
+            "nodes" if corners == 3 => nodes.swap(3, 4),
             _ => (),
         }
         nodes
     }
-    fn values_on(&self, simplex: Simplex, b: &[f64]) -> Vec<f64> {
-        let mut values = Element::P2.values_on(simplex, b);
-        if self.0 == "facet" && simplex.is_facet() {
+    fn values(&self, b: &[f64]) -> Vec<f64> {
+        let mut values = Element::P2.values(b);
+        if self.0 == "facet" && b.len() == 2 {
             // Those of nodes at the ends and at 3/4.
             let x = b[1];
             values = vec![

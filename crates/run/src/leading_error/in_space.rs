@@ -9,7 +9,7 @@ use super::sums::{Kernel, Pair};
 use algebra::linalg::{Front, axpy, dot, larger};
 use exact::{ComplianceRule, Exact, InterpolatedOnMesh, Sliding};
 use fem::contact::Discretization;
-use fem::space::{Simplex, StrainPoint};
+use fem::space::StrainPoint;
 use formula::{EvaluationPoint, Node, Variable};
 use nalgebra::{DMatrix, DVector};
 use scene::{Norm, RelaxationTerm, TimeRule};
@@ -407,7 +407,7 @@ pub(super) fn normal(space: &Discretization, i: usize, nodal: &[f64]) -> f64 {
 
 fn in_the_body(space: &Discretization, nodal: &[f64]) -> f64 {
     let d = space.mesh.dimension;
-    let squares = space.element.mean_square(Simplex::cell(d));
+    let squares = space.element.mean_square(d + 1);
     let at = |&node: &u32| -> [f64; 3] {
         std::array::from_fn(|i| if i < d { nodal[d * node as usize + i] } else { 0.0 })
     };
@@ -419,7 +419,7 @@ fn in_the_body(space: &Discretization, nodal: &[f64]) -> f64 {
 
 /// ‖f‖ in L²(Γ3) of values at the points of the trace.
 fn on_the_contact_side(space: &Discretization, values: &[f64]) -> f64 {
-    let squares = space.element.mean_square(Simplex::facet(space.mesh.dimension));
+    let squares = space.element.mean_square(space.mesh.dimension);
     let at = |&i: &u32| [values[i as usize]];
     let facet = |(f, &measure): (usize, &f64)| {
         squares.over(measure, &space.trace.facet(f).iter().map(at).collect::<Vec<_>>())

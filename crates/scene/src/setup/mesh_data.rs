@@ -12,7 +12,7 @@ use fem::norms::{
     ElasticProjection, Moments, ReferenceError, ReferenceRun, Refinement, Trajectory,
 };
 use fem::space::quadrature::{Rule, TruthRules};
-use fem::space::{Simplex, StrainPoint};
+use fem::space::StrainPoint;
 use formula::{BoundProgram, Graph, Node, Program};
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
@@ -304,12 +304,7 @@ impl Term {
         if components.is_empty() {
             return None;
         }
-        let simplex = match rule.points[0].len() == dimension {
-            true => Simplex::facet(dimension),
-            false => Simplex::cell(dimension),
-        };
-        let values: Vec<_> =
-            rule.points.iter().map(|b| space.element.values_on(simplex, b)).collect();
+        let values: Vec<_> = rule.points.iter().map(|b| space.element.values(b)).collect();
         let of_points =
             |a: usize| values.iter().zip(&rule.weights).map(|(v, w)| w * v[a]).collect();
         let shapes = (0..values[0].len()).map(of_points).collect();

@@ -17,7 +17,7 @@ use fem::contact::{
 };
 use fem::norms::{Moments, state_rule, step_errors, strain_error};
 use fem::space::quadrature::TruthRules;
-use fem::space::{Element, Simplex};
+use fem::space::Element;
 use formula::{BoundProgram, Program};
 use judge::claim::{Claim, Place, Standing, Statement};
 use rayon::prelude::*;
@@ -422,7 +422,7 @@ impl<'a> Auditor<'a> {
         }
         let Some(exact) = self.data.truth.contact_samples(t)? else { return Ok(sums) };
         let rule = state_rule();
-        let shapes = rule.points.iter().map(|b| space.element.values_on(Simplex::facet(2), b));
+        let shapes = rule.points.iter().map(|b| space.element.values(b));
         let shapes: Vec<Vec<f64>> = shapes.collect();
         for (f, measure) in trace.measure.iter().enumerate() {
             let corners = mesh.facet(trace.mesh_facet[f] as usize);

@@ -1,6 +1,6 @@
 //! P1.
 
-use crate::space::element::{FiniteElement, Simplex};
+use crate::space::element::{FiniteElement, barycentre};
 use crate::space::quadrature::Rule;
 
 #[derive(Debug)]
@@ -15,16 +15,16 @@ impl FiniteElement for Linear {
         1
     }
 
-    fn nodes(&self, simplex: Simplex) -> Vec<Vec<f64>> {
-        (0..simplex.corners()).map(|a| simplex.barycentre(&[a])).collect()
+    fn nodes(&self, corners: usize) -> Vec<Vec<f64>> {
+        (0..corners).map(|a| barycentre(&[a], corners)).collect()
     }
 
-    fn values_on(&self, _: Simplex, b: &[f64]) -> Vec<f64> {
+    fn values(&self, b: &[f64]) -> Vec<f64> {
         b.to_vec()
     }
 
     fn slopes(&self, b: &[f64]) -> Vec<Vec<f64>> {
-        self.nodes(Simplex::cell(b.len() - 1))
+        self.nodes(b.len())
     }
 
     fn strain_rule(&self, dimension: usize) -> Rule {

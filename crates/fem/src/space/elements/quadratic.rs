@@ -1,6 +1,6 @@
 //! P2.
 
-use crate::space::element::{FiniteElement, Simplex};
+use crate::space::element::{FiniteElement, barycentre};
 use crate::space::quadrature::{Rule, tetrahedron_degree_2, triangle_degree_2};
 
 #[derive(Debug)]
@@ -23,12 +23,12 @@ impl FiniteElement for Quadratic {
         2
     }
 
-    fn nodes(&self, simplex: Simplex) -> Vec<Vec<f64>> {
-        let corners = (0..simplex.corners()).map(|a| simplex.barycentre(&[a]));
-        corners.chain(edges(simplex.corners()).iter().map(|e| simplex.barycentre(e))).collect()
+    fn nodes(&self, corners: usize) -> Vec<Vec<f64>> {
+        let at_corners = (0..corners).map(|a| barycentre(&[a], corners));
+        at_corners.chain(edges(corners).iter().map(|edge| barycentre(edge, corners))).collect()
     }
 
-    fn values_on(&self, _: Simplex, b: &[f64]) -> Vec<f64> {
+    fn values(&self, b: &[f64]) -> Vec<f64> {
         let corners = b.iter().map(|b| b * (2.0 * b - 1.0));
         corners.chain(edges(b.len()).iter().map(|[i, j]| 4.0 * b[*i] * b[*j])).collect()
     }
