@@ -1,8 +1,7 @@
 //! A case as those see it who run it: its levels, why it has no result, and what it took.
 
 use super::{Floors, LoadError, Work};
-use algebra::linalg::FactorError;
-use vhi::{FailedStep, StepError};
+use vhi::FailedStep;
 
 /// The solution at one time level, as an observer sees it.
 pub struct StepView<'a> {
@@ -95,24 +94,3 @@ pub struct CaseInfo {
 /// A relative KKT residual above this is a failure: the accuracy promised for results. Rounding of nodal forces against the
 /// largest of them is n·1e-16 for moduli of one size; where it is more, see [`super::kkt_residual`].
 pub const KKT_ALLOWED: f64 = 1e-9;
-
-impl CaseInfo {
-    /// Takes a level with the KKT residual that a separate evaluation found.
-    ///
-    /// # Errors
-    /// [`CaseError::Kkt`] if that is more than [`KKT_ALLOWED`], or no number.
-    pub(super) fn accept(&mut self, level: &StepView<'_>, residual: f64) -> Result<(), CaseError> {
-        if residual.is_nan() || residual > KKT_ALLOWED {
-            let (n, t) = (level.n, level.t);
-            return Err(CaseError::Kkt { n, t, residual, allowed: KKT_ALLOWED });
-        }
-        self.kkt_residual = self.kkt_residual.max(residual);
-        self.strain_norm = self.strain_norm.max(level.strain_norm);
-        Ok(())
-    }
-}
-
-/// A step whose matrix cannot be factorized.
-pub(super) fn failed(n: usize, t: f64, source: FactorError) -> FailedStep {
-    FailedStep { n, t, source: StepError::Factor { iteration: 0, source } }
-}

@@ -8,7 +8,6 @@ use std::time::Instant;
 
 use self::ahead::LoadsAhead;
 use self::frozen::Frozen;
-use super::case::failed;
 use super::histories::Histories;
 use super::last_slot::LastSlot;
 use super::{CaseError, ContactProblem, Discretization, Load, Model, strain_norm};
@@ -57,8 +56,11 @@ impl<'a> Evolution<'a> {
         source: &'a mut dyn Load,
     ) -> Result<Self, FailedStep> {
         Ok(Self {
-            problem: ContactProblem::new(space, model)
-                .map_err(|source| failed(0, grid.time(0), source))?,
+            problem: ContactProblem::new(space, model).map_err(|source| FailedStep {
+                n: 0,
+                t: grid.time(0),
+                source: StepError::Factor { iteration: 0, source },
+            })?,
             histories: Histories::new(space, model, grid),
             frozen_history: vec![vec![0.0; space.dofs()]; model.memory.len()],
             accumulated: Accumulated::default(),

@@ -1,12 +1,13 @@
 //! The march in time: Problem 14 step after step, with the history committed after convergence.
 
-use super::case::{CaseError, CaseInfo, Observer};
+use super::case::{CaseError, CaseInfo, KKT_ALLOWED, Observer, StepView};
 use super::floor::Accepted;
-use super::kkt::accepted_residual;
-use super::shown::Shown;
-use super::{Discretization, Evolution, Floors, Load, Model};
+use super::kkt::{accepted_residual, kkt_residual_in};
+use super::pressures::split_pressures;
+use super::{Discretization, Evolution, Floors, Load, Model, friction_graph};
 use algebra::linalg::norm;
 use vhi::history::TimeGrid;
+use vhi::law::Projection;
 use vhi::{HistoryInequality, StepInequality, StepSolver, Stepper};
 
 /// Fields of this size have squares, and squares of errors down to 1e-2 of ε, that are doubles.
@@ -43,7 +44,14 @@ struct March<'a> {
     model: &'a Model,
     evolution: Evolution<'a>,
     stepper: Stepper<'a>,
-    shown: Shown<'a>,
+    /// u_n of all nodes.
+    nodal: Vec<f64>,
+    /// ξ, λ and s at the points of the trace.
+    compliance: Vec<f64>,
+    multiplier: Vec<f64>,
+    friction: Vec<f64>,
+    /// Room for the balance of forces.
+    balance: Vec<f64>,
     /// The largest residual that was accepted so far, and the floors it and rounding make.
     worst_residual: f64,
     /// The largest load whose level has set the floors; of condensed levels, which have no residual in the volume.
@@ -54,10 +62,16 @@ struct March<'a> {
 impl<'a> March<'a> {
     fn new(evolution: Evolution<'a>, solver: &'a dyn StepSolver) -> Self {
         let (space, model) = (evolution.space(), evolution.model());
+        let points = space.trace.points.len();
+        let tangents = model.friction.as_ref().map_or(0, |_| space.mesh.dimension - 1);
         Self {
             stepper: Stepper::new(&evolution, solver),
             evolution,
-            shown: Shown::new(space, model),
+            nodal: vec![0.0; space.nodes.len()],
+            compliance: vec![0.0; points],
+            multiplier: vec![0.0; points],
+            friction: vec![0.0; tangents * points],
+            balance: Vec::new(),
             worst_residual: 0.0,
             largest_load: 0.0,
             info: CaseInfo::default(),
@@ -119,7 +133,7 @@ impl<'a> March<'a> {
         delta.resize(self.space.nodes.len(), 0.0);
         self.space.frames.to_cartesian(&mut delta);
         let largest = self.model.elasticity.eigenvalues(self.space.mesh.dimension).1;
-        let floors = Floors::new(self.space, &delta, &self.shown.nodal, accepted, largest);
+        let floors = Floors::new(self.space, &delta, &self.nodal, accepted, largest);
         self.info.floors = self.info.floors.max(floors);
     }
 
@@ -137,12 +151,35 @@ impl<'a> March<'a> {
         Ok(self.info)
     }
 
+    /// Shows the level if a separate evaluation finds that it solves the discrete problem.
     fn show(&mut self, n: usize, t: f64, observe: &mut Observer<'_>) -> Result<(), CaseError> {
+        let (space, model) = (self.space, self.model);
         let (state, evolution) = (&self.stepper.state, &self.evolution);
-        self.shown.take(&state.u, Some((evolution.graph(), state)));
-        let sizes = [evolution.zeta(), evolution.problem().strain_norm()];
-        let to = (&mut self.info, observe);
-        self.shown.show((n, t), evolution.history(), sizes, evolution.load(), to)
+        self.nodal[..state.u.len()].copy_from_slice(&state.u);
+        space.frames.to_cartesian(&mut self.nodal);
+        let pressures = [&mut self.compliance[..], &mut self.multiplier];
+        split_pressures(space, model, evolution.graph(), state, pressures);
+        friction_graph::show(space, &state.pressure, &mut self.friction);
+        let (zeta, strain_norm) = (evolution.zeta(), evolution.problem().strain_norm());
+        let view = StepView {
+            n,
+            t,
+            u: &self.nodal,
+            history: evolution.history(),
+            zeta,
+            kappa: model.projection.limit().map_or(f64::INFINITY, |limit| limit.value(zeta)),
+            strain_norm,
+            compliance: &self.compliance,
+            multiplier: &self.multiplier,
+            friction: &self.friction,
+        };
+        let residual = kkt_residual_in(space, model, &view, evolution.load(), &mut self.balance);
+        if residual.is_nan() || residual > KKT_ALLOWED {
+            return Err(CaseError::Kkt { n, t, residual, allowed: KKT_ALLOWED });
+        }
+        self.info.kkt_residual = self.info.kkt_residual.max(residual);
+        self.info.strain_norm = self.info.strain_norm.max(strain_norm);
+        observe(&view)
     }
 }
 

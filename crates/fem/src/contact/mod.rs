@@ -27,7 +27,6 @@ mod pieces;
 mod plan;
 mod pressures;
 mod problem;
-mod shown;
 mod stiffness;
 mod tangents;
 mod trace;
