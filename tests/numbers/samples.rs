@@ -5,7 +5,7 @@
 use algebra::in_dimension;
 use algebra::linalg::{FactorError, larger, signed_unit};
 use algebra::tensor::contract;
-use fem::contact::{Discretization, GivenHistories, MemoryTerm, strain_norm, stress_force};
+use fem::contact::{Discretization, Histories, MemoryTerm, strain_norm, stress_force};
 use judge::claim::Claim;
 use nalgebra::DVector;
 use scene::setup::{AbstractConstants, Constants, Setup};
@@ -176,7 +176,7 @@ impl<'a, const D: usize, const S: usize> RandomStates<'a, D, S> {
     fn history_ratio(&mut self, memory: &[MemoryTerm], grid: &TimeGrid, still: bool) -> f64 {
         let length = self.space.nodes.len();
         let mut zeta = [Accumulated::default(), Accumulated::default()];
-        let mut past = GivenHistories::new(memory, &Trapezoid, grid, length);
+        let mut past = Histories::new(memory, &Trapezoid, grid, length);
         let mut needed = 0f64;
         let (fixed, direction) = (self.displacement(), self.displacement());
         for n in 0..=grid.steps() {

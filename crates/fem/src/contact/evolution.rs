@@ -12,7 +12,7 @@ use super::histories::Histories;
 use super::last_slot::LastSlot;
 use super::{CaseError, ContactProblem, Discretization, Load, Model, strain_norm};
 use algebra::linalg::{FactorError, axpy};
-use vhi::history::{Accumulated, TimeGrid};
+use vhi::history::TimeGrid;
 use vhi::{
     BoundaryGraph, FailedStep, HistoryInequality, Newton, OpenInequality, StepError,
     StepInequality, StepInfo, StepState,
@@ -26,15 +26,16 @@ pub struct Evolution<'a> {
     source: LoadsAhead<'a>,
     problem: ContactProblem<'a>,
     histories: Histories<'a>,
-    accumulated: Accumulated,
+    /// Σ_{j<n} W_nj u_j of each term of the memory while level n is open, Σ'_{j≤n} W_nj u_j after its commit.
+    sums: Vec<Vec<f64>>,
+    /// The latter as nodal vectors.
+    history: Vec<Vec<f64>>,
     /// Levels committed so far: the index n of the open one.
     committed: usize,
     slot: LastSlot,
     past_zeta: f64,
     /// F_n, Cartesian.
     load: Vec<f64>,
-    /// The histories with a frozen last slot.
-    frozen_history: Vec<Vec<f64>>,
     zeta: f64,
     /// DΛ of the open level, if it was asked for.
     frozen: Option<Frozen<'a>>,
@@ -61,9 +62,9 @@ impl<'a> Evolution<'a> {
                 t: grid.time(0),
                 source: StepError::Factor { iteration: 0, source },
             })?,
-            histories: Histories::new(space, model, grid),
-            frozen_history: vec![vec![0.0; space.dofs()]; model.memory.len()],
-            accumulated: Accumulated::default(),
+            histories: Histories::new(&model.memory, &*model.time_rule, grid, space.dofs()),
+            sums: vec![vec![0.0; space.dofs()]; model.memory.len()],
+            history: vec![vec![0.0; space.nodes.len()]; model.memory.len()],
             committed: 0,
             slot: LastSlot::default(),
             past_zeta: 0.0,
@@ -104,7 +105,7 @@ impl<'a> Evolution<'a> {
 
     /// Σ'_{j≤n} W_nj u_j of the last committed level as nodal vectors, one per term of the memory.
     pub fn history(&self) -> &[Vec<f64>] {
-        self.histories.shown()
+        &self.history
     }
 
     /// A vector of unknowns as displacements of all nodes.
@@ -133,7 +134,7 @@ impl<'a> Evolution<'a> {
     }
 
     fn begin_implicit(&mut self) {
-        let sums = if self.committed > 0 { &self.histories.sums[..] } else { &[] };
+        let sums = if self.committed > 0 { &self.sums[..] } else { &[] };
         self.problem.begin(&self.slot, self.past_zeta, &self.load, sums);
         if let Some(solved) = self.source.solved(self.committed) {
             self.problem.take_solved(solved, sums);
@@ -157,8 +158,7 @@ impl HistoryInequality for Evolution<'_> {
         self.slot.zeta = rule.weight(self.grid, n, n);
         self.slot.memory.clear();
         self.slot.memory.extend(self.model.last_weights(self.grid, n));
-        self.past_zeta = self.accumulated.past(rule, self.grid);
-        self.histories.recall();
+        self.past_zeta = self.histories.past(self.grid, &mut self.sums);
         self.problem.set_time(self.grid.time(n));
         self.begin_implicit();
         Ok(())
@@ -167,8 +167,12 @@ impl HistoryInequality for Evolution<'_> {
     fn commit(&mut self, solution: &StepState) {
         let strain_norm = self.problem.strain_norm();
         self.zeta = self.past_zeta + self.slot.zeta * strain_norm;
-        self.accumulated.commit(self.grid, strain_norm);
-        self.histories.commit(&solution.u, &self.slot.memory);
+        let level = (&solution.u[..], strain_norm);
+        self.histories.commit(self.grid, level, &self.slot.memory, &mut self.sums);
+        for (nodal, sum) in self.history.iter_mut().zip(&self.sums) {
+            nodal[..sum.len()].copy_from_slice(sum);
+            self.space.frames.to_cartesian(nodal);
+        }
         self.peak_history_bytes = self.peak_history_bytes.max(self.histories.bytes());
         self.committed += 1;
     }
@@ -177,16 +181,12 @@ impl HistoryInequality for Evolution<'_> {
 impl OpenInequality for Evolution<'_> {
     fn freeze(&mut self, eta: Option<&[f64]>) {
         let Some(eta) = eta else { return self.begin_implicit() };
-        let dofs = self.space.dofs();
         let zeta = self.past_zeta + self.slot.zeta * self.norm(eta);
-        let sums = self.frozen_history.iter_mut().zip(&self.histories.sums).zip(&self.slot.memory);
-        for ((frozen, sum), &last_weight) in sums {
-            frozen.copy_from_slice(&sum[..dofs]);
-            axpy(last_weight, eta, frozen);
-        }
-        self.problem.begin(&LastSlot::default(), zeta, &self.load, &self.frozen_history);
+        let mut sums = self.sums.clone();
+        sums.iter_mut().zip(&self.slot.memory).for_each(|(sum, weight)| axpy(*weight, eta, sum));
+        self.problem.begin(&LastSlot::default(), zeta, &self.load, &sums);
         if let Some(solved) = self.source.solved(self.committed) {
-            self.problem.take_solved(solved, &self.frozen_history);
+            self.problem.take_solved(solved, &sums);
         }
     }
 

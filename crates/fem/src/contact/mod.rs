@@ -41,7 +41,7 @@ pub use floor::Floors;
 pub use frames::Frames;
 pub use friction_law::{Friction, OnContactInTime};
 pub use held_factors::{StiffnessFactor, Unknowns};
-pub use histories::GivenHistories;
+pub use histories::Histories;
 pub use kkt::{kkt_residual, out_of_balance};
 pub use last_slot::LastSlot;
 pub use level_fields::LevelFields;

@@ -23,7 +23,7 @@ pub use self::in_process::{Answer, InProcess, Solve};
 pub use self::left::{Cause, Found};
 pub use self::process::{LOG, ProcessError, end_solvers, last_lines};
 use fem::contact::{
-    CaseError, CaseInfo, Discretization, GivenHistories, Model, Observer, StepView, strain_norm,
+    CaseError, CaseInfo, Discretization, Histories, Model, Observer, StepView, strain_norm,
 };
 use files::{remove_if_there, shortened};
 use scene::setup::{MeshData, Scheme, Setup};
@@ -162,8 +162,7 @@ fn show(
     pressures.iter().try_for_each(|given| finite("pressure", given, levels))?;
     vanishes_where_clamped(space, grid, u)?;
     let pressures = pressures.unwrap_or_else(|| vec![f64::NAN; levels * points]);
-    let mut histories =
-        GivenHistories::new(&model.memory, &*model.time_rule, grid, space.nodes.len());
+    let mut histories = Histories::new(&model.memory, &*model.time_rule, grid, space.nodes.len());
     let mut info = CaseInfo::default();
     let no_multiplier = vec![0.0; points];
     for n in 0..levels {

@@ -12,12 +12,12 @@ use crate::study::{Asked, Result, StudyError};
 use algebra::tensor::{Symmetric, contract};
 use exact::{Exact, ExactOnMesh, InterpolatedOnMesh, LoadForm, Truth};
 use fem::contact::{
-    BoundaryRule, CaseError, Discretization, GivenHistories, LoadError, StepView, out_of_balance,
+    BoundaryRule, CaseError, Discretization, Histories, LoadError, StepView, out_of_balance,
     strain_norm,
 };
 use fem::norms::{Moments, state_rule, step_errors, strain_error};
-use fem::space::quadrature::TruthRules;
 use fem::space::Element;
+use fem::space::quadrature::TruthRules;
 use formula::{BoundProgram, Program};
 use judge::claim::{Claim, Place, Standing, Statement};
 use rayon::prelude::*;
@@ -156,7 +156,7 @@ pub struct Auditor<'a> {
     /// The truth of a body that only remembers: its σ is θ. None without memory.
     remembering: Option<Arc<dyn Truth>>,
     /// Of u, by its strains; of u^{kh}, by its nodal values.
-    past: [GivenHistories<'a>; 2],
+    past: [Histories<'a>; 2],
     /// Σ_{j ≤ n} ‖u_j - u_j^{kh}‖_V.
     errors: f64,
     /// With what a unit of the floor in V may add to each.
@@ -238,7 +238,7 @@ impl<'a> Auditor<'a> {
         let nodes: Vec<[f64; 3]> =
             space.nodes.vertex.iter().map(|&v| space.mesh.point(&[v], &[1.0])).collect();
         let past = [3 * space.geometry.points(), space.nodes.len()].map(|length| {
-            GivenHistories::new(&setup.model.memory, &*setup.model.time_rule, &grid, length)
+            Histories::new(&setup.model.memory, &*setup.model.time_rule, &grid, length)
         });
         Ok(Self {
             nodal: Program::compile(&exact.data.graph, &exact.data.u, exact.data.horizon)

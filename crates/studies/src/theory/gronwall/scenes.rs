@@ -14,8 +14,8 @@ use super::recurrence::{
 use crate::study::{Result, StudyError};
 use exact::InterpolatedOnMesh;
 use fem::contact::{
-    GivenHistories, Load, LoadError, MemoryTerm, Model, StepView, kkt_residual, march,
-    strain_distance, strain_norm,
+    Histories, Load, LoadError, MemoryTerm, Model, StepView, kkt_residual, march, strain_distance,
+    strain_norm,
 };
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
 use run::sweep::lowest_common_multiple;
@@ -220,7 +220,7 @@ impl InTime for ContactInTime<'_> {
     fn known(&self, grid: &TimeGrid) -> Result<Known> {
         let Self { setup, data: MeshData { space, .. }, truth, constants } = self;
         let (terms, rule) = (&setup.model.memory, constants.weights.rule());
-        let mut histories = GivenHistories::new(terms, &*rule, grid, space.nodes.len());
+        let mut histories = Histories::new(terms, &*rule, grid, space.nodes.len());
         let mut size = 0f64;
         let (mut u, mut truncation) = (Vec::new(), [Vec::new(), Vec::new()]);
         for (n, level) in truth.levels(setup, grid.steps() as u32)?.into_iter().enumerate() {
