@@ -88,7 +88,6 @@ impl<'a> ContactProblem<'a> {
         let dofs: Vec<u32> = graph.coordinates.iter().map(|at| at.dof).collect();
         let couplings = if dofs.is_empty() { Vec::new() } else { space.pattern.couplings(&dofs) };
         let d = space.mesh.dimension;
-        let projected = model.projection.limit().map_or(0, |_| space.geometry.points());
         let elasticity = model
             .memory
             .iter()
@@ -110,7 +109,7 @@ impl<'a> ContactProblem<'a> {
             unknowns: vec![0.0; space.nodes.len()],
             cartesian: vec![0.0; if space.frames.is_empty() { 0 } else { space.nodes.len() }],
             nodal_force: vec![0.0; space.nodes.len()],
-            strains: vec![0.0; d * (d + 1) / 2 * projected],
+            strains: vec![0.0; d * (d + 1) / 2 * space.geometry.points()],
             past_zeta: 0.0,
             slot: LastSlot::default(),
             strain_norm: 0.0,
@@ -275,37 +274,12 @@ impl<'a> ContactProblem<'a> {
         }
     }
 
-    fn force<const D: usize, const S: usize>(&mut self, out: &mut [f64]) {
-        self.nodal_force.fill(0.0);
-        match self.model.projection.limit() {
-            None => self.linear_force::<D, S>(),
-            Some(limit) => {
-                self.compute_strains::<S>();
-                self.projected_force::<D, S>(limit.value(self.zeta()));
-            }
-        }
-        self.space.frames.force_on_unknowns(&mut self.nodal_force);
-        out.copy_from_slice(&self.nodal_force[..out.len()]);
-    }
-
     /// The displacements as a nodal vector.
     fn displacements(&self) -> &[f64] {
         if self.space.frames.is_empty() { &self.unknowns } else { &self.cartesian }
     }
 
-    fn linear_force<const D: usize, const S: usize>(&mut self) {
-        let mut sum = 0.0;
-        for at in self.space.points() {
-            let strain = at.strain::<S>(self.displacements());
-            sum += at.weight * contract(&strain, &strain);
-            let law = self.linear_law.on(self.space.region(at.cell));
-            let stress = law.apply(&strain).map(|s| at.weight * s);
-            stress_force::<D, S>(at.gradients, at.nodes, &stress, &mut self.nodal_force);
-        }
-        self.strain_norm = strain_norm_from(sum, self.space, self.displacements());
-    }
-
-    fn compute_strains<const S: usize>(&mut self) {
+    fn force<const D: usize, const S: usize>(&mut self, out: &mut [f64]) {
         let mut sum = 0.0;
         for at in self.space.points() {
             let strain = at.strain::<S>(self.displacements());
@@ -313,24 +287,24 @@ impl<'a> ContactProblem<'a> {
             sum += at.weight * contract(&strain, &strain);
         }
         self.strain_norm = strain_norm_from(sum, self.space, self.displacements());
-    }
-
-    fn strain_at<const S: usize>(&self, p: usize) -> [f64; S] {
-        self.strains[S * p..S * (p + 1)].try_into().expect("S components")
-    }
-
-    fn projected_force<const D: usize, const S: usize>(&mut self, kappa: f64) {
+        let projection = &self.model.projection;
+        let kappa = projection.limit().map(|limit| limit.value(self.zeta()));
+        self.nodal_force.fill(0.0);
         for at in self.space.points() {
             let strain = self.strain_at::<S>(at.index);
             let mut stress = self.linear_law.on(self.space.region(at.cell)).apply(&strain);
-            if let Some(extra) = self.model.projection.stress(&strain, kappa) {
-                for (target, value) in stress.iter_mut().zip(extra) {
-                    *target += value;
-                }
+            if let Some(extra) = kappa.and_then(|kappa| projection.stress(&strain, kappa)) {
+                stress.iter_mut().zip(extra).for_each(|(stress, value)| *stress += value);
             }
             let stress = stress.map(|s| at.weight * s);
             stress_force::<D, S>(at.gradients, at.nodes, &stress, &mut self.nodal_force);
         }
+        self.space.frames.force_on_unknowns(&mut self.nodal_force);
+        out.copy_from_slice(&self.nodal_force[..out.len()]);
+    }
+
+    fn strain_at<const S: usize>(&self, p: usize) -> [f64; S] {
+        self.strains[S * p..S * (p + 1)].try_into().expect("S components")
     }
 
     /// Adds the generalized derivative of the projection to the tangent; returns the rank-one piece, in `room`.
