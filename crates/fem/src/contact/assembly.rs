@@ -79,39 +79,29 @@ pub fn stress_force<const D: usize, const S: usize>(
     }
 }
 
-/// Adds the stiffness matrix of a tensor on the unknowns of `frames` to lower-triangle
-/// `values`.
-pub fn stiffness_of<const D: usize, const S: usize>(
-    space: &Discretization,
-    frames: &Frames,
-    law: &TensorField,
-    values: &mut [f64],
-) {
-    let mut room = [0.0; ROOM];
-    for at in space.points() {
-        let matrix = law.on(space.region(at.cell)).matrix::<S>();
-        let local = point_stiffness::<D, S>(&at, &matrix, &mut room);
-        frames.rotate_cell(at.nodes, local);
-        space.pattern.scatter::<D>(at.cell, at.nodes, local, values);
-    }
-}
-
 impl Discretization {
     /// Lower-triangle values of the stiffness matrix of a tensor, in Cartesian components.
     pub fn stiffness(&self, law: &TensorField) -> Vec<f64> {
-        self.stiffness_in(law, &Frames::default())
+        in_dimension!(self.mesh.dimension, D, S => self.stiffness_in::<D, S>(law, &Frames::default()))
     }
 
     /// Lower-triangle values of the stiffness matrix, in the unknowns of the contact problem.
     pub(crate) fn stiffness_of_unknowns(&self, law: &TensorField) -> Vec<f64> {
-        self.stiffness_in(law, &self.frames)
+        in_dimension!(self.mesh.dimension, D, S => self.stiffness_in::<D, S>(law, &self.frames))
     }
 
-    fn stiffness_in(&self, law: &TensorField, frames: &Frames) -> Vec<f64> {
-        let mut values = vec![0.0; self.pattern.entries()];
-        in_dimension!(
-            self.mesh.dimension, D, S => stiffness_of::<D, S>(self, frames, law, &mut values)
-        );
+    fn stiffness_in<const D: usize, const S: usize>(
+        &self,
+        law: &TensorField,
+        frames: &Frames,
+    ) -> Vec<f64> {
+        let (mut values, mut room) = (vec![0.0; self.pattern.entries()], [0.0; ROOM]);
+        for at in self.points() {
+            let matrix = law.on(self.region(at.cell)).matrix::<S>();
+            let local = point_stiffness::<D, S>(&at, &matrix, &mut room);
+            frames.rotate_cell(at.nodes, local);
+            self.pattern.scatter::<D>(at.cell, at.nodes, local, &mut values);
+        }
         values
     }
 }

@@ -17,7 +17,8 @@ use std::time::Instant;
 use super::boundary::{boundary_graph, set_gaps};
 use super::compliance::FacetCompliance;
 use super::last_slot::TangentOf;
-use super::{Discretization, Model, Plan, Unknowns, Work};
+use super::stiffness::Order;
+use super::{Discretization, Model, Plan, Work};
 use algebra::linalg::{
     Analysis, DenseCholesky, Factor, FactorError, Front, LinearWork, Workspace, axpy, dot, norm,
     root_of_squares,
@@ -57,18 +58,17 @@ impl<'a> Condensed<'a> {
         model: &'a Model,
         work: &mut Work,
     ) -> Result<Option<Self>, FactorError> {
-        let unknowns = match Plan::of(space, model) {
+        let order = match Plan::of(space, model) {
             Plan::Newton => return Ok(None),
-            // Without frames these are displacements, whose factor others ask for as well.
-            Plan::Linear if space.frames.is_empty() => Unknowns::Displacements,
-            Plan::Linear | Plan::Condensed => Unknowns::ContactLast,
+            Plan::Linear => Order::Usual,
+            Plan::Condensed => Order::ContactLast,
         };
-        let (analysis, beta) = (space.analysis_of(unknowns)?, model.memory_multiple());
+        let (analysis, beta) = (space.analysis_in(order)?, model.memory_multiple());
         let (elastic, factor, own) = if beta.is_some() {
-            let kept = space.stiffness_factor(&model.elasticity, unknowns, work)?;
+            let kept = space.stiffness_factor((&model.elasticity, order), true, work)?;
             (kept.values.clone(), kept.factor.clone(), None)
         } else {
-            let elastic = Arc::new(space.stiffness_of(unknowns, &model.elasticity));
+            let elastic = Arc::new(space.stiffness_of_unknowns(&model.elasticity));
             (elastic, Arc::new(analysis.factor()), Some(analysis.workspace()))
         };
         let graph = || boundary_graph(space, model, &elastic);

@@ -1,12 +1,12 @@
 //! All that depends on the mesh alone and is shared by the cases on it.
 
-use std::sync::OnceLock;
+use std::sync::{Mutex, OnceLock};
 
 use crate::mesh::Mesh;
 use crate::space::{Element, Geometry, Nodes, StrainPoint, StrainPoints};
 use algebra::linalg::{Analysis, BlockPattern, FactorError, nested_dissection};
 
-use super::held_factors::StiffnessFactors;
+use super::stiffness::{Order, StiffnessFactors};
 use super::trace::{Support, supports};
 use super::{ContactTrace, Frames};
 
@@ -32,9 +32,9 @@ pub struct Discretization {
     pub frames: Frames,
     /// The region of each cell, region 0 being what belongs to no named one; empty if there are none.
     pub regions: Vec<u8>,
-    analysis: OnceLock<Result<Analysis, FactorError>>,
-    condensing: OnceLock<Result<Analysis, FactorError>>,
-    pub(super) factors: StiffnessFactors,
+    /// By [`Order`].
+    analyses: [OnceLock<Result<Analysis, FactorError>>; 2],
+    pub(super) factors: Mutex<StiffnessFactors>,
 }
 
 impl Discretization {
@@ -70,9 +70,8 @@ impl Discretization {
             supports,
             frames,
             regions: Vec::new(),
-            analysis: OnceLock::new(),
-            condensing: OnceLock::new(),
-            factors: StiffnessFactors::default(),
+            analyses: Default::default(),
+            factors: Mutex::default(),
         }
     }
 
@@ -81,30 +80,21 @@ impl Discretization {
     /// # Errors
     /// Memory or the range of indices does not reach.
     pub fn analysis(&self) -> Result<&Analysis, FactorError> {
-        let known = self.analysis.get_or_init(|| self.analysis_with_last(&[]));
-        known.as_ref().map_err(Clone::clone)
+        self.analysis_in(Order::Usual)
     }
 
-    /// The symbolic factorization with the unknowns of Γ3 last, whose factors condense onto them. In the plane it has
-    /// some 8 % more fill than [`Self::analysis`].
-    ///
-    /// # Errors
-    /// As [`Self::analysis`].
-    pub(crate) fn condensing(&self) -> Result<&Analysis, FactorError> {
-        let last = || self.analysis_with_last(&self.trace.unknowns());
-        self.condensing.get_or_init(last).as_ref().map_err(Clone::clone)
-    }
-
-    /// The analysis of the pattern with the unknowns `last` behind all others.
-    fn analysis_with_last(&self, last: &[u32]) -> Result<Analysis, FactorError> {
-        let coordinates = self.coordinates();
-        Analysis::new(&self.pattern, &nested_dissection(&self.pattern, &coordinates, last))
-    }
-
-    /// Those of the free nodes.
-    fn coordinates(&self) -> Vec<f64> {
-        let free = self.nodes.vertex[..self.nodes.free].iter();
-        free.flat_map(|&v| self.mesh.vertex(v)).copied().collect()
+    pub(super) fn analysis_in(&self, order: Order) -> Result<&Analysis, FactorError> {
+        let make = || {
+            let last = match order {
+                Order::Usual => Vec::new(),
+                Order::ContactLast => self.trace.unknowns(),
+            };
+            let free = self.nodes.vertex[..self.nodes.free].iter();
+            let coordinates: Vec<f64> =
+                free.flat_map(|&v| self.mesh.vertex(v)).copied().collect();
+            Analysis::new(&self.pattern, &nested_dissection(&self.pattern, &coordinates, &last))
+        };
+        self.analyses[order as usize].get_or_init(make).as_ref().map_err(Clone::clone)
     }
 
     /// Entries of a factor in the order of [`Self::analysis`], and multiplications that it takes; infinite where the

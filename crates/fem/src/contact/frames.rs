@@ -90,11 +90,6 @@ impl Frames {
         self.frames.push(frame);
     }
 
-    /// Whether an unknown is held at zero.
-    pub fn hold_any(&self) -> bool {
-        self.frames.iter().any(|frame| !frame.held.is_empty())
-    }
-
     /// True if all unknowns are Cartesian components.
     pub(crate) fn is_empty(&self) -> bool {
         self.frames.is_empty()
@@ -232,7 +227,6 @@ mod tests {
         let mut frames = Frames::new(2);
         frames.insert(0, 2, &[[0.6, -0.8, 0.0]], vec![0]);
         frames.hold(1, 2, vec![0, 1]);
-        assert!(frames.hold_any());
         let mut u = vec![0.3, 0.7, -0.2, 0.9];
         frames.to_cartesian(&mut u);
         assert!((normal[0] * u[0] + normal[1] * u[1]).abs() < 1e-15);

@@ -52,7 +52,7 @@ pub fn weighted_trace_constants<const K: usize>(
     squares: [(TracePart, TraceMass); K],
     weight: &(dyn Fn(u32) -> f64 + Sync),
 ) -> Result<[Extreme; K], EigenError> {
-    let mut stiffness = StiffnessInverse::passing(space, tensor)?;
+    let mut stiffness = StiffnessInverse::new(space, tensor, false)?;
     let mut found = squares.map(|_| Extreme::default());
     for (found, square) in found.iter_mut().zip(squares) {
         *found = largest_quotient(space, &mut stiffness, square, weight)?;

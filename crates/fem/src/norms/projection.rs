@@ -8,10 +8,6 @@ use algebra::in_dimension;
 use algebra::linalg::FactorError;
 use vhi::law::TensorField;
 
-fn operator(space: &Discretization, elasticity: &TensorField, mu: f64) -> TensorField {
-    elasticity.plus(mu, &TensorField::identity(), space.mesh.dimension)
-}
-
 /// A on one mesh, factorized.
 pub struct ElasticProjection<'a> {
     space: &'a Discretization,
@@ -20,7 +16,7 @@ pub struct ElasticProjection<'a> {
 }
 
 impl<'a> ElasticProjection<'a> {
-    /// Factorizes A = 𝒜 + μ I.
+    /// Factorizes A = 𝒜 + μ I; whether `space` is to `keep` the factor, for runs on other grids in time.
     ///
     /// # Errors
     /// The factorization's.
@@ -28,22 +24,10 @@ impl<'a> ElasticProjection<'a> {
         space: &'a Discretization,
         elasticity: &TensorField,
         mu: f64,
+        keep: bool,
     ) -> Result<Self, FactorError> {
-        let operator = operator(space, elasticity, mu);
-        Ok(Self { inverse: StiffnessInverse::passing(space, &operator)?, space, operator })
-    }
-
-    /// The projection by a factor that `space` holds from then on: runs on other grids in time ask for it again.
-    ///
-    /// # Errors
-    /// The factorization's.
-    pub fn held(
-        space: &'a Discretization,
-        elasticity: &TensorField,
-        mu: f64,
-    ) -> Result<Self, FactorError> {
-        let operator = operator(space, elasticity, mu);
-        Ok(Self { inverse: StiffnessInverse::held(space, &operator)?, space, operator })
+        let operator = elasticity.plus(mu, &TensorField::identity(), space.mesh.dimension);
+        Ok(Self { inverse: StiffnessInverse::new(space, &operator, keep)?, space, operator })
     }
 
     /// A⁻¹F for a force over the unknowns, as a nodal vector: one solve.

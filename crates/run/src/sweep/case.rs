@@ -64,7 +64,7 @@ fn measure(
     let finer = || data.trajectory(setup, TIME_REFERENCE * case.steps, case.steps);
     let finer = wants(Norm::VTimeMax).then(finer).transpose()?;
     let (elastic, mu) = (&setup.model.elasticity, setup.projection_mu());
-    let projection = || ElasticProjection::held(&data.space, elastic, mu);
+    let projection = || ElasticProjection::new(&data.space, elastic, mu, true);
     let projection = wants(Norm::VProjectionMax).then(projection).transpose();
     let mut projection =
         projection.map_err(|error| LoadError::Reference { reason: error.to_string() })?;

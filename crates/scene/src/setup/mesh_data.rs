@@ -11,8 +11,8 @@ use fem::contact::{
 use fem::norms::{
     ElasticProjection, Moments, ReferenceError, ReferenceRun, Refinement, Trajectory,
 };
-use fem::space::quadrature::{Rule, TruthRules};
 use fem::space::StrainPoint;
+use fem::space::quadrature::{Rule, TruthRules};
 use formula::{BoundProgram, Graph, Node, Program};
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
@@ -459,7 +459,7 @@ fn load_floors(
     elasticity: &TensorField,
     mu: f64,
 ) -> Result<Floors, LoadError> {
-    let mut operator = ElasticProjection::new(space, elasticity, mu)
+    let mut operator = ElasticProjection::new(space, elasticity, mu, false)
         .map_err(|error| LoadError::Reference { reason: error.to_string() })?;
     let still = LevelFields { u: vec![0.0; space.nodes.len()], ..LevelFields::default() };
     // Stresses follow strains by the largest modulus; on Γ3 strains are those of its cells.

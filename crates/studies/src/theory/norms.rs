@@ -18,7 +18,7 @@ impl<'a> DualNorm<'a> {
     /// # Errors
     /// The factorization's.
     pub fn new(space: &'a Discretization) -> Result<Self, FactorError> {
-        let gram = StiffnessInverse::passing(space, &TensorField::identity())?;
+        let gram = StiffnessInverse::new(space, &TensorField::identity(), false)?;
         Ok(Self { gram })
     }
 
