@@ -3,7 +3,7 @@
 use std::sync::{Mutex, OnceLock};
 
 use crate::mesh::Mesh;
-use crate::space::{Element, Geometry, Nodes, StrainPoint, StrainPoints};
+use crate::space::{Element, Geometry, Nodes, StrainPoint};
 use algebra::linalg::{Analysis, BlockPattern, FactorError, nested_dissection};
 
 use super::stiffness::{Order, StiffnessFactors};
@@ -90,8 +90,7 @@ impl Discretization {
                 Order::ContactLast => self.trace.unknowns(),
             };
             let free = self.nodes.vertex[..self.nodes.free].iter();
-            let coordinates: Vec<f64> =
-                free.flat_map(|&v| self.mesh.vertex(v)).copied().collect();
+            let coordinates: Vec<f64> = free.flat_map(|&v| self.mesh.vertex(v)).copied().collect();
             Analysis::new(&self.pattern, &nested_dissection(&self.pattern, &coordinates, &last))
         };
         self.analyses[order as usize].get_or_init(make).as_ref().map_err(Clone::clone)
@@ -135,14 +134,23 @@ impl Discretization {
         self.nodes.of_vertex.iter().flat_map(of_node).copied().collect()
     }
 
-    /// The points where strain, stress and projection live.
+    /// The points where strain, stress and projection live, cell by cell.
     #[inline]
-    pub fn points(&self) -> StrainPoints<'_> {
-        StrainPoints::new(&self.geometry, &self.nodes)
+    pub fn points(&self) -> impl Iterator<Item = StrainPoint<'_>> + Clone {
+        (0..self.geometry.measure.len()).flat_map(|c| self.points_of(c))
     }
 
     /// The strain points of cell c.
-    pub fn points_of(&self, c: usize) -> impl Iterator<Item = StrainPoint<'_>> {
-        StrainPoints::from_cell(&self.geometry, &self.nodes, c).take(self.geometry.shares.len())
+    #[inline]
+    pub fn points_of(&self, c: usize) -> impl Iterator<Item = StrainPoint<'_>> + Clone {
+        let (measure, nodes) = (self.geometry.measure[c], self.nodes.of_cell(c));
+        let first = self.geometry.shares.len() * c;
+        self.geometry.shares.iter().zip(first..).map(move |(share, index)| StrainPoint {
+            index,
+            cell: c,
+            weight: measure * share,
+            gradients: self.geometry.gradients(index),
+            nodes,
+        })
     }
 }

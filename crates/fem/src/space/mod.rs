@@ -15,6 +15,6 @@ mod tests;
 pub use element::{Element, FiniteElement};
 pub use mean_square::MeanSquare;
 pub use nodes::Nodes;
-pub use points::{StrainPoint, StrainPoints};
+pub use points::StrainPoint;
 pub use shape::{Geometry, strain_of};
 pub use strain_shapes::StrainShapes;
