@@ -23,7 +23,8 @@ impl Mesh {
         let start =
             Quality { smallest_angle: 180.0, aspect: 0.0, longest: 0.0, shortest: f64::INFINITY };
         (0..self.cell_count()).fold(start, |worst, c| {
-            let (longest, angle) = (self.longest_edge(c), self.smallest_angle(c));
+            let corners: Vec<_> = (0..=self.dimension).map(|a| self.corner(c, a)).collect();
+            let (longest, angle) = (longest_edge(&corners), self.smallest_angle(c));
             Quality {
                 smallest_angle: worst.smallest_angle.min(angle),
                 aspect: worst.aspect.max(longest / self.smallest_altitude(c)),
@@ -37,14 +38,9 @@ impl Mesh {
         self.point(&[self.cell(c)[a]], &[1.0])
     }
 
-    fn longest_edge(&self, c: usize) -> f64 {
-        let corners: Vec<[f64; 3]> = (0..=self.dimension).map(|a| self.corner(c, a)).collect();
-        longest_edge(&corners)
-    }
-
     /// Gradients of the barycentric coordinates times d! |K|: inward normals of the facets, as long as
     /// the facets are large; and d! |K|.
-    fn inward(&self, c: usize) -> (Vec<[f64; 3]>, f64) {
+    pub(crate) fn inward(&self, c: usize) -> (Vec<[f64; 3]>, f64) {
         let at = |a: usize| self.corner(c, a);
         if self.dimension == 2 {
             let [p, q] = [minus(at(1), at(0)), minus(at(2), at(0))];

@@ -33,21 +33,10 @@ impl Geometry {
         let mut linear = Vec::with_capacity(d * (d + 1));
         let slopes: Vec<_> = rule.points.iter().map(|b| element.slopes(b)).collect();
         for c in 0..cells {
-            let cell = mesh.cell(c);
-            let origin = mesh.vertex(cell[0]);
-            let edges =
-                nalgebra::DMatrix::from_fn(d, d, |i, a| mesh.vertex(cell[a + 1])[i] - origin[i]);
-            let factorial = if d == 2 { 2.0 } else { 6.0 };
-            measure.push(edges.determinant() / factorial);
-            // λ_a(x) = row a of edges⁻¹ · (x - x_0) for a ≥ 1, and the gradients sum to zero.
-            let inverse = edges.try_inverse().unwrap_or_else(|| nalgebra::DMatrix::zeros(d, d));
+            let (inward, content) = mesh.inward(c);
+            measure.push(content / if d == 2 { 2.0 } else { 6.0 });
             linear.clear();
-            for i in 0..d {
-                linear.push(-inverse.column(i).sum());
-            }
-            for a in 0..d {
-                linear.extend((0..d).map(|i| inverse[(a, i)]));
-            }
+            linear.extend(inward.iter().flat_map(|normal| &normal[..d]).map(|g| g / content));
             for at_point in &slopes {
                 append_gradients(at_point, &linear, &mut gradient);
             }
