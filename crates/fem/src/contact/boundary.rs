@@ -6,8 +6,9 @@ use super::{BoundaryRule, Discretization, Model, friction_graph};
 use vhi::law::{NoPotential, Potential};
 use vhi::{BoundaryGraph, Coordinate};
 
-/// The graphs of Γ3: the shift at the vertices, the potential where the vertex rule is used; after them those of friction. Gaps
-/// are those of [`set_gaps`].
+/// The graphs of Γ3, those of the normal laws first, one a free point of the trace in its order: the shift at the vertices,
+/// the potential where the vertex rule is used, else none, which is the first. After them those of friction. Gaps are those
+/// of [`set_gaps`].
 pub(crate) fn boundary_graph(
     space: &Discretization,
     model: &Model,
@@ -15,29 +16,6 @@ pub(crate) fn boundary_graph(
 ) -> BoundaryGraph {
     let none: Arc<dyn Potential> = Arc::new(NoPotential);
     let mut graph = BoundaryGraph { coordinates: Vec::new(), potentials: vec![none] };
-    append_normal(space, model, elastic, &mut graph);
-    friction_graph::append_graphs(space, model, elastic, &mut graph);
-    graph
-}
-
-/// The gaps of the time t. The graphs of the normal law come first, in the order of the points.
-pub(super) fn set_gaps(space: &Discretization, model: &Model, t: f64, graph: &mut BoundaryGraph) {
-    if model.boundary.is_empty() {
-        return;
-    }
-    let points = space.trace.points.iter().filter(|point| point.carries());
-    for (point, at) in points.zip(&mut graph.coordinates) {
-        at.gap = model.gap(point.side, space.mesh.point(&[point.vertex], &[1.0]), t);
-    }
-}
-
-/// Appends the graphs of the normal laws, one a free point of the trace in its order. The first potential is none.
-fn append_normal(
-    space: &Discretization,
-    model: &Model,
-    elastic: &[f64],
-    graph: &mut BoundaryGraph,
-) {
     // A law with a factor is one law per vertex.
     let mut laws = Vec::with_capacity(model.boundary.len());
     for boundary in &model.boundary {
@@ -71,5 +49,18 @@ fn append_normal(
             gamma: point.weight / stiffness,
             span: 1,
         });
+    }
+    friction_graph::append_graphs(space, model, elastic, &mut graph);
+    graph
+}
+
+/// The gaps of the time t. The graphs of the normal law come first, in the order of the points.
+pub(super) fn set_gaps(space: &Discretization, model: &Model, t: f64, graph: &mut BoundaryGraph) {
+    if model.boundary.is_empty() {
+        return;
+    }
+    let points = space.trace.points.iter().filter(|point| point.carries());
+    for (point, at) in points.zip(&mut graph.coordinates) {
+        at.gap = model.gap(point.side, space.mesh.point(&[point.vertex], &[1.0]), t);
     }
 }
