@@ -9,7 +9,7 @@
 //! displacements, forces and matrices; on the diagonal of a matrix it keeps a positive number, so that it is solved to 0.
 
 use algebra::linalg::complement;
-use nalgebra::DMatrix;
+use nalgebra::{DMatrix, DMatrixViewMut};
 
 /// A vertex whose unknowns are not Cartesian components.
 #[derive(Debug, Clone, PartialEq)]
@@ -157,26 +157,16 @@ impl Frames {
     }
 
     fn rotate_node(&self, frame: &Frame, a: usize, corners: usize, local: &mut [f64]) {
-        let (d, basis) = (self.dimension, &frame.basis);
-        let order = d * corners;
-        let diagonal = [0, 1, 2].map(|j| local[(order + 1) * (d * a + j.min(d - 1))]);
-        let mut rotated = [0.0; 3];
-        for row in 0..order {
-            for (j, value) in rotated.iter_mut().enumerate().take(d) {
-                *value = (0..d).map(|i| local[order * row + d * a + i] * basis[(i, j)]).sum();
-            }
-            local[order * row + d * a..order * row + d * (a + 1)].copy_from_slice(&rotated[..d]);
-        }
-        for column in 0..order {
-            for (j, value) in rotated.iter_mut().enumerate().take(d) {
-                *value = (0..d).map(|i| local[order * (d * a + i) + column] * basis[(i, j)]).sum();
-            }
-            for (j, value) in rotated.iter().enumerate().take(d) {
-                local[order * (d * a + j) + column] = *value;
-            }
-        }
+        let (d, basis, order) = (self.dimension, &frame.basis, self.dimension * corners);
+        // By columns it is the transposed matrix, whose image is that of the matrix, transposed.
+        let mut matrix = DMatrixViewMut::from_slice(local, order, order);
+        let diagonal = matrix.diagonal().rows(d * a, d).clone_owned();
+        let rows = basis.tr_mul(&matrix.rows(d * a, d));
+        matrix.rows_mut(d * a, d).copy_from(&rows);
+        let columns = matrix.columns(d * a, d) * basis;
+        matrix.columns_mut(d * a, d).copy_from(&columns);
         for &j in &frame.held {
-            local[(order + 1) * (d * a + j)] = diagonal[j];
+            matrix[(d * a + j, d * a + j)] = diagonal[j];
         }
     }
 }
