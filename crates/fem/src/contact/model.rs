@@ -5,7 +5,7 @@ use std::sync::Arc;
 use super::friction_law::{Friction, OnContactInTime};
 use crate::space::Element;
 use vhi::history::{TimeGrid, TimeRule, last_weight};
-use vhi::law::{AnyProjection, MemoryKernel, Potential, Projection, Scaled, TensorField};
+use vhi::law::{AnyProjection, MemoryKernel, Potential, Scaled, TensorField};
 
 /// A term ∫_0^t b(t - s) ℬ₀ ε(u(s)) ds of the memory.
 pub struct MemoryTerm {
@@ -105,12 +105,6 @@ pub struct Model {
 }
 
 impl Model {
-    /// True if the discrete problem is linear: neither projection nor contact nor friction.
-    pub fn is_linear(&self) -> bool {
-        let on_contact = !self.boundary.is_empty() || self.friction.is_some();
-        self.projection.limit().is_none() && !on_contact
-    }
-
     /// What a side of Γ3 has.
     pub fn boundary_on(&self, side: u32) -> Option<&Boundary> {
         self.boundary.iter().find(|boundary| boundary.is_on(side))
