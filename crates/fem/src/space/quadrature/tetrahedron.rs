@@ -1,6 +1,6 @@
 //! Rules on tetrahedra.
 
-use super::rule::{Orbit, Rule};
+use super::rule::{Orbit, Rule, gauss_jacobi};
 
 fn four(weight: f64, a: f64) -> Orbit {
     (weight, vec![1.0 - 3.0 * a, a, a, a])
@@ -49,7 +49,12 @@ pub fn tetrahedron_degree_6() -> Rule {
 ///
 /// Source: A. H. Stroud, Approximate Calculation of Multiple Integrals (1971), conical products.
 pub fn tetrahedron_product(count: usize) -> Rule {
-    let [first, second, third] = [2, 1, 0].map(|power| gauss_jacobi(count, power));
+    // On (0, 1).
+    let gauss = |power| {
+        let rule = gauss_jacobi(count, power).into_iter();
+        rule.map(|(x, w)| (0.5 * (1.0 + x), 0.5 * w)).collect::<Vec<_>>()
+    };
+    let [first, second, third] = [2, 1, 0].map(gauss);
     let (mut points, mut weights) = (Vec::new(), Vec::new());
     for &(a, wa) in &first {
         for &(b, wb) in &second {
@@ -61,27 +66,6 @@ pub fn tetrahedron_product(count: usize) -> Rule {
         }
     }
     Rule { points, weights }
-}
-
-/// Points and weights of ∫_0^1 (1-x)^p f(x) dx, exact for f of degree 2·count - 1: eigenvalues of the recurrence of the
-/// Jacobi polynomials P^(p,0).
-///
-/// Source: G. H. Golub, J. H. Welsch, Math. Comp. 23 (1969) 221-230.
-fn gauss_jacobi(count: usize, power: u32) -> Vec<(f64, f64)> {
-    let p = f64::from(power);
-    let recurrence = nalgebra::DMatrix::from_fn(count, count, |i, j| {
-        let n = i.max(j) as f64;
-        let s = 2.0 * n + p;
-        match i.abs_diff(j) {
-            0 if i == 0 => -p / (p + 2.0),
-            0 => -p * p / (s * (s + 2.0)),
-            1 => 2.0 * n * (n + p) / (s * ((s + 1.0) * (s - 1.0)).sqrt()),
-            _ => 0.0,
-        }
-    });
-    let eigen = recurrence.symmetric_eigen();
-    let first = |i: usize| eigen.eigenvectors[(0, i)];
-    (0..count).map(|i| (0.5 * (1.0 + eigen.eigenvalues[i]), first(i).powi(2) / (p + 1.0))).collect()
 }
 
 #[cfg(test)]
