@@ -414,7 +414,7 @@ impl CoarseMesh {
 }
 
 /// The facets of a cell, seen from outside where it is positively oriented.
-fn facets_of(cell: &[u32]) -> impl Iterator<Item = Vec<u32>> + use<> {
+pub(super) fn facets_of(cell: &[u32]) -> impl Iterator<Item = Vec<u32>> + use<> {
     let facets: &[&[usize]] = match cell.len() {
         3 => &[&[1, 2], &[2, 0], &[0, 1]],
         _ => &[&[1, 2, 3], &[0, 3, 2], &[0, 1, 3], &[0, 2, 1]],
@@ -432,7 +432,7 @@ fn axes() -> [[f64; 3]; 6] {
     })
 }
 
-fn sorted(facet: &[u32]) -> Vec<u32> {
+pub(super) fn sorted(facet: &[u32]) -> Vec<u32> {
     let mut facet = facet.to_vec();
     facet.sort_unstable();
     facet

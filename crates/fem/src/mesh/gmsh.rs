@@ -17,6 +17,7 @@ pub use self::fault::{Fault, GmshError};
 use self::sections::{Element, Sections};
 use self::tokens::Tokens;
 pub use self::write::write_gmsh;
+use super::coarse::{facets_of, sorted};
 use super::{At, BoundaryFacet, CoarseMesh, WHOLE};
 
 /// Share of the extent by which a plane mesh may leave its plane z = const: files carry some ten digits.
@@ -77,22 +78,15 @@ impl File<'_> {
             region.push(regions.number(element.group, names, dimension));
         }
         let mut owners: BTreeMap<Vec<u32>, u32> = BTreeMap::new();
-        for cell in &cells {
-            for left_out in 0..cell.len() {
-                let mut facet = cell.clone();
-                facet.remove(left_out);
-                facet.sort_unstable();
-                *owners.entry(facet).or_default() += 1;
-            }
+        for facet in cells.iter().flat_map(|cell| facets_of(cell)) {
+            *owners.entry(sorted(&facet)).or_default() += 1;
         }
         // A group with no facet of one cell is no side: interfaces, lines of construction.
         let mut bounding: BTreeSet<Option<i64>> = BTreeSet::new();
         let mut grouped = Vec::new();
         for element in self.elements(dimension - 1).filter(|element| element.group.is_some()) {
             let corners = self.corners(element)?;
-            let mut facet = corners.clone();
-            facet.sort_unstable();
-            if owners.get(&facet) == Some(&1) {
+            if owners.get(&sorted(&corners)) == Some(&1) {
                 bounding.insert(element.group);
             }
             grouped.push((element, corners));
