@@ -20,11 +20,11 @@ use vhi::{
 
 /// The contact problem with its committed history.
 pub struct Evolution<'a> {
-    space: &'a Discretization,
-    model: &'a Model,
+    pub(super) space: &'a Discretization,
+    pub(super) model: &'a Model,
     grid: &'a TimeGrid,
     source: LoadsAhead<'a>,
-    problem: ContactProblem<'a>,
+    pub(super) problem: ContactProblem<'a>,
     histories: Histories<'a>,
     /// Σ_{j<n} W_nj u_j of each term of the memory while level n is open, Σ'_{j≤n} W_nj u_j after its commit.
     sums: Vec<Vec<f64>>,
@@ -80,22 +80,9 @@ impl<'a> Evolution<'a> {
         })
     }
 
-    pub(crate) fn space(&self) -> &'a Discretization {
-        self.space
-    }
-
-    pub(crate) fn model(&self) -> &'a Model {
-        self.model
-    }
-
     /// The problem at the open or last committed level.
     pub fn problem(&self) -> &ContactProblem<'a> {
         &self.problem
-    }
-
-    /// The problem, for a solve with its last factor.
-    pub(crate) fn problem_mut(&mut self) -> &mut ContactProblem<'a> {
-        &mut self.problem
     }
 
     /// F_n of the open or last committed level.

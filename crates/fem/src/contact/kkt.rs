@@ -290,11 +290,9 @@ impl StepView<'_> {
 
     /// True where the projection acts somewhere on cell c.
     pub fn yields<const S: usize>(&self, space: &Discretization, model: &Model, c: usize) -> bool {
-        space.points_of(c).any(|at| self.yields_at::<S>(model, &at))
-    }
-
-    fn yields_at<const S: usize>(&self, model: &Model, at: &StrainPoint<'_>) -> bool {
-        let strain = at.strain::<S>(self.u);
-        model.projection.stress(&strain, self.kappa).is_some()
+        let yields = |at: StrainPoint<'_>| {
+            model.projection.stress(&at.strain::<S>(self.u), self.kappa).is_some()
+        };
+        space.points_of(c).any(yields)
     }
 }

@@ -61,7 +61,7 @@ struct March<'a> {
 
 impl<'a> March<'a> {
     fn new(evolution: Evolution<'a>, solver: &'a dyn StepSolver) -> Self {
-        let (space, model) = (evolution.space(), evolution.model());
+        let (space, model) = (evolution.space, evolution.model);
         let points = space.trace.points.len();
         let tangents = model.friction.as_ref().map_or(0, |_| space.mesh.dimension - 1);
         Self {
@@ -97,7 +97,7 @@ impl<'a> March<'a> {
         self.info.contraction = self.info.contraction.max(info.contraction);
         self.show(n, self.evolution.grid().time(n), observe)?;
         // Floors belong to the level that was solved worst. Records are few, about log N of them.
-        if self.evolution.problem().is_condensed() {
+        if self.evolution.problem.by_condensation {
             let size = norm(self.evolution.load());
             if size > 2.0 * self.largest_load {
                 self.largest_load = size;
@@ -118,7 +118,7 @@ impl<'a> March<'a> {
 
     fn raise_floors_of_condensed(&mut self) {
         let state = &self.stepper.state;
-        let unbalanced = self.evolution.problem().unbalanced(state);
+        let unbalanced = self.evolution.problem.unbalanced(state);
         let mut rounding = vec![0.0; state.u.len()];
         self.evolution.add_rounding(state, &mut rounding);
         let size = self.evolution.force_scale(&state.u) + norm(&rounding);
@@ -129,7 +129,7 @@ impl<'a> March<'a> {
 
     /// Raises the floors to those of the correction that one more solve of the last level would make.
     fn raise_floors(&mut self, mut delta: Vec<f64>, accepted: Accepted) {
-        self.evolution.problem_mut().solve_with_last_factor(&mut delta);
+        self.evolution.problem.solve_with_last_factor(&mut delta);
         delta.resize(self.space.nodes.len(), 0.0);
         self.space.frames.to_cartesian(&mut delta);
         let largest = self.model.elasticity.eigenvalues(self.space.mesh.dimension).1;
@@ -139,12 +139,12 @@ impl<'a> March<'a> {
 
     /// Counters, and floors that hold the rounding of the last level at least.
     fn finish(mut self) -> Result<CaseInfo, CaseError> {
-        if self.evolution.problem().is_condensed() {
+        if self.evolution.problem.by_condensation {
             self.raise_floors_of_condensed();
         } else {
             self.raise_floors_of_last(0.0, 0.0);
         }
-        self.info.work = self.evolution.problem().work();
+        self.info.work = self.evolution.problem.work();
         self.info.seconds_load = self.evolution.seconds_load;
         self.info.peak_history_bytes = self.evolution.peak_history_bytes;
         measurable(self.space, self.model, self.info.strain_norm)?;
@@ -160,7 +160,7 @@ impl<'a> March<'a> {
         let pressures = [&mut self.compliance[..], &mut self.multiplier];
         split_pressures(space, model, evolution.graph(), state, pressures);
         friction_graph::show(space, &state.pressure, &mut self.friction);
-        let (zeta, strain_norm) = (evolution.zeta(), evolution.problem().strain_norm());
+        let (zeta, strain_norm) = (evolution.zeta(), evolution.problem.strain_norm());
         let view = StepView {
             n,
             t,

@@ -45,7 +45,7 @@ pub struct ContactProblem<'a> {
     /// Where Γ3 is all that is nonlinear.
     condensed: Option<Condensed<'a>>,
     /// The open level was solved so: a solver may also take it in the volume.
-    by_condensation: bool,
+    pub(super) by_condensation: bool,
     pub(super) jacobian: Jacobian,
     /// What the last tangent was made of.
     last: TangentOf<LastSlot>,
@@ -185,11 +185,6 @@ impl<'a> ContactProblem<'a> {
             self.space.pattern.multiply(memory, x, &mut product);
             axpy(-weight, &product, force);
         }
-    }
-
-    /// Whether the open level was solved condensed.
-    pub(crate) fn is_condensed(&self) -> bool {
-        self.by_condensation
     }
 
     /// Takes 𝒜⁻¹ F_n of the level that was just opened, and the history vectors it was opened with.
