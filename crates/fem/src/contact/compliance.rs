@@ -18,9 +18,8 @@ pub(crate) struct FacetCompliance<'a> {
 
 /// Where the points of a facet lie.
 enum PointRule {
-    /// At fixed places, with the shift there (facet by facet): 3 points per edge, exact where
-    /// ∂j_ν(u_ν) v_ν is a polynomial of degree 5.
-    Gauss { rule: Rule, shift: Vec<f64>, scale: Option<Vec<f64>> },
+    /// At fixed places: 3 points per edge, exact where ∂j_ν(u_ν) v_ν is a polynomial of degree 5.
+    Gauss(Rule),
     /// On the pieces of each edge between kinks.
     Exact { law: Pieces, shift: Vec<EdgeShift> },
 }
@@ -72,17 +71,7 @@ impl<'a> FacetCompliance<'a> {
             rule if !rule.serves(space.element) => {
                 panic!("rules on facets are those of linear u_ν")
             }
-            BoundaryRule::Gauss => {
-                let rule = facet_rule(space.mesh.dimension);
-                let at_points = |f: &dyn Fn([f64; 3]) -> f64| -> Vec<f64> {
-                    let points =
-                        facets.iter().flat_map(|facet| rule.points.iter().map(|b| facet.at(b)));
-                    points.map(f).collect()
-                };
-                let shift = at_points(&boundary.shift);
-                let scale = boundary.scale.as_ref().map(|scale| at_points(scale));
-                PointRule::Gauss { rule, shift, scale }
-            }
+            BoundaryRule::Gauss => PointRule::Gauss(facet_rule(space.mesh.dimension)),
             BoundaryRule::Exact => {
                 assert_eq!(space.mesh.dimension, 2, "the exact rule cuts edges");
                 let along = |facet: &Facet| EdgeShift::new(|x| (boundary.shift)(facet.on_edge(x)));
@@ -104,17 +93,14 @@ impl<'a> FacetCompliance<'a> {
     pub(crate) fn descent(&self) -> f64 {
         let alpha = self.boundary.potential.alpha();
         let Some(factor) = &self.boundary.scale else { return alpha };
-        let largest = match &self.rule {
-            PointRule::Gauss { scale, .. } => {
-                scale.iter().flatten().fold(0.0f64, |largest, c| largest.max(*c))
+        let places = match &self.rule {
+            PointRule::Gauss(rule) => rule.points.clone(),
+            PointRule::Exact { .. } => {
+                [0.0, 0.25, 0.5, 0.75, 1.0].map(|x| vec![1.0 - x, x]).to_vec()
             }
-            PointRule::Exact { .. } => self
-                .facets
-                .iter()
-                .flat_map(|facet| [0.0, 0.25, 0.5, 0.75, 1.0].map(|x| factor(facet.on_edge(x))))
-                .fold(0.0f64, f64::max),
         };
-        alpha * largest
+        let factors = self.facets.iter().flat_map(|facet| places.iter().map(|b| facet.at(b)));
+        alpha * factors.map(factor).fold(0.0, f64::max)
     }
 
     /// Adds the force of the compliance term at the vector `u`, which has a zero in the place of what is clamped.
@@ -164,22 +150,20 @@ impl<'a> FacetCompliance<'a> {
             let normal = |&(component, sign, _): &(usize, f64, bool)| {
                 sign * u.get(component).copied().unwrap_or(0.0)
             };
+            let mut at = |shape: [f64; 3], weight: f64, value: f64, argument: f64| {
+                let size = value.abs() + (value - argument).abs();
+                let scale = self.boundary.scale_at(facet.at(&shape));
+                let weight = weight * facet.measure;
+                visit(facet, &FacetPoint { shape, weight, argument, size, scale });
+            };
             match &self.rule {
-                PointRule::Gauss { rule, shift, scale } => {
-                    let count = rule.weights.len();
-                    for (q, (shape, weight)) in rule.points.iter().zip(&rule.weights).enumerate() {
-                        let values = facet.members.iter().map(normal);
-                        let value: f64 = values.zip(shape).map(|(u, s)| s * u).sum();
-                        let shift = shift[count * f + q];
-                        let (argument, size) = (value - shift, value.abs() + shift.abs());
-                        let mut at_members = [0.0; 3];
-                        at_members[..shape.len()].copy_from_slice(shape);
-                        let weight = weight * facet.measure;
-                        let scale = scale.as_ref().map_or(1.0, |scale| scale[count * f + q]);
-                        visit(
-                            facet,
-                            &FacetPoint { shape: at_members, weight, argument, size, scale },
-                        );
+                PointRule::Gauss(rule) => {
+                    for (b, weight) in rule.points.iter().zip(&rule.weights) {
+                        let value: f64 =
+                            facet.members.iter().map(normal).zip(b).map(|(u, s)| s * u).sum();
+                        let mut shape = [0.0; 3];
+                        shape[..b.len()].copy_from_slice(b);
+                        at(shape, *weight, value, value - (self.boundary.shift)(facet.at(b)));
                     }
                 }
                 PointRule::Exact { law, shift } => {
@@ -188,12 +172,8 @@ impl<'a> FacetCompliance<'a> {
                     points(ends, &shift[f], formula, law, &mut room);
                     for point in &room.points {
                         let shape = [1.0 - point.place, point.place, 0.0];
-                        let weight = point.weight * facet.measure;
-                        let scale = self.boundary.scale_at(facet.on_edge(point.place));
-                        let argument = point.argument;
                         let value = shape[0] * ends[0] + shape[1] * ends[1];
-                        let size = value.abs() + (value - argument).abs();
-                        visit(facet, &FacetPoint { shape, weight, argument, size, scale });
+                        at(shape, point.weight, value, point.argument);
                     }
                 }
             }
