@@ -83,6 +83,29 @@ pub fn strain_of<const S: usize>(gradients: &[f64], nodes: &[u32], v: &[f64]) ->
     strain
 }
 
+/// A point of a cell.
+#[derive(Debug, Clone, Copy)]
+pub struct StrainPoint<'a> {
+    /// Its number among all points.
+    pub index: usize,
+    /// Its cell.
+    pub cell: usize,
+    /// Its share of the measure of the cell.
+    pub weight: f64,
+    /// Shape gradients there, d numbers for each of `nodes`.
+    pub gradients: &'a [f64],
+    /// The nodes of the cell.
+    pub nodes: &'a [u32],
+}
+
+impl StrainPoint<'_> {
+    /// ε(v) of a nodal vector.
+    #[inline]
+    pub fn strain<const S: usize>(&self, v: &[f64]) -> [f64; S] {
+        strain_of(self.gradients, self.nodes, v)
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
