@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use super::{BoundaryRule, Discretization, Model, friction_graph};
+use super::{BoundaryRule, Discretization, Model, friction};
 use vhi::law::{NoPotential, Potential};
 use vhi::{BoundaryGraph, Coordinate};
 
@@ -50,7 +50,7 @@ pub(crate) fn boundary_graph(
             span: 1,
         });
     }
-    friction_graph::append_graphs(space, model, elastic, &mut graph);
+    friction::append_graphs(space, model, elastic, &mut graph);
     graph
 }
 

@@ -1,12 +1,104 @@
-//! Friction in a time level. A bound that follows p is that of the state whose residual was evaluated last; its slope in
-//! u_ν is an entry of the Jacobian without a mirror image.
+//! Friction on Γ3: -σ_τ = s ∈ S ∂|u_τ|, S = c(x, t) S_0(|u_τ|), or that times p(u_ν), p = ∂j_ν.
+//!
+//! r ↦ S(|r|) sign r is the graph of a potential with one jump, at r = 0, which is a vertex that sticks. So it is solved as
+//! the normal law is: a graph on the unknown that carries u_τ, at each vertex with the weight of the vertex rule; in space
+//! on the vector of the two unknowns that carry it. These graphs stand behind those of the normal law, one a tangent of each
+//! free point. A bound that follows p is that of the state whose residual was evaluated last; its slope in u_ν is an entry
+//! of the Jacobian without a mirror image.
 
 use std::sync::Arc;
 
-use super::ContactProblem;
-use super::trace::TracePoint;
+use super::trace::{Tangential, TracePoint};
+use super::{ContactProblem, Discretization, Model};
 use algebra::linalg::NonsymmetricEntry;
-use vhi::StepState;
+use vhi::law::{NoPotential, Potential, Scaled};
+use vhi::{BoundaryGraph, Coordinate, StepState};
+
+/// A function on Γ3 × [0, T].
+pub type OnContactInTime = Box<dyn Fn([f64; 3], f64) -> f64 + Send + Sync>;
+
+/// The law of friction: at x and t the graph is c(x, t) times that of S_0, or c(x, t) p(u_ν) times it.
+pub struct Friction {
+    /// c(x, t) ≥ 0 at a point of Γ3.
+    pub factor: OnContactInTime,
+    /// r ↦ S_0(|r|) sign r, odd, with its jump at 0: a stress, or a number where S follows p.
+    pub graph: Arc<dyn Potential>,
+    /// True where S = c S_0 p(u_ν): p ≥ 0 alone, without the multiplier λ, and without jumps, by the vertex rule.
+    pub follows_pressure: bool,
+}
+
+impl Friction {
+    /// The graph at a point of Γ3 where p(u_ν) = `pressure`.
+    pub fn at(&self, x: [f64; 3], t: f64, pressure: f64) -> Scaled {
+        self.scaled((self.factor)(x, t), pressure)
+    }
+
+    pub(super) fn scaled(&self, factor: f64, pressure: f64) -> Scaled {
+        let followed = if self.follows_pressure { pressure } else { 1.0 };
+        Scaled { potential: self.graph.clone(), factor: factor * followed }
+    }
+}
+
+/// Friction that follows p, at the open level: empty where it does not.
+#[derive(Default)]
+pub(super) struct Following {
+    /// c(x, t) at the free points of the trace.
+    pub(super) factors: Vec<f64>,
+    /// The pressures of all graphs on the pieces that were chosen last.
+    pub(super) pressures: Vec<f64>,
+}
+
+impl Following {
+    pub(super) fn take_pressures(&mut self, pressures: &[f64]) {
+        if !self.factors.is_empty() {
+            self.pressures.clear();
+            self.pressures.extend_from_slice(pressures);
+        }
+    }
+}
+
+/// Appends the graphs of friction, one a free point of the trace in its order, without their laws, which
+/// `ContactProblem::set_friction` gives at each time.
+pub(super) fn append_graphs(
+    space: &Discretization,
+    model: &Model,
+    elastic: &[f64],
+    graph: &mut BoundaryGraph,
+) {
+    if model.friction.is_none() {
+        return;
+    }
+    for point in space.trace.points.iter().filter(|point| point.carries()) {
+        let unknowns = point.tangential_unknowns(space);
+        let stiffness = |at: &Tangential| elastic[space.pattern.diagonal(at.unknown as usize)];
+        let stiffness = unknowns.iter().map(stiffness).sum::<f64>() / unknowns.len() as f64;
+        for (k, Tangential { unknown, sign }) in unknowns.iter().enumerate() {
+            graph.coordinates.push(Coordinate {
+                dof: *unknown,
+                sign: *sign,
+                weight: point.weight,
+                gap: f64::INFINITY,
+                floor: f64::NEG_INFINITY,
+                law: graph.potentials.len() as u32,
+                shift: 0.0,
+                // As for the normal law: a vertex changes its side of the jump by way of the jump.
+                gamma: point.weight / stiffness,
+                span: if k == 0 { unknowns.len() as u8 } else { 0 },
+            });
+        }
+        graph.potentials.push(Arc::new(NoPotential));
+    }
+}
+
+/// The multipliers s of the last graphs, at the points of the trace; 0 on Γ1.
+pub(super) fn show(space: &Discretization, pressures: &[f64], shown: &mut [f64]) {
+    let m = space.mesh.dimension - 1;
+    let points = space.trace.points.iter().zip(shown.chunks_exact_mut(m));
+    let free = points.filter(|(point, _)| point.carries());
+    for ((_, at_point), s) in free.rev().zip(pressures.rchunks_exact(m)) {
+        at_point.copy_from_slice(s);
+    }
+}
 
 impl ContactProblem<'_> {
     /// Sets friction to time t: the laws of the last graphs, or the factors of p in them.

@@ -4,7 +4,7 @@ use super::case::{CaseError, CaseInfo, KKT_ALLOWED, Observer, StepView};
 use super::floor::Accepted;
 use super::kkt::{accepted_residual, kkt_residual_in};
 use super::pressures::split_pressures;
-use super::{Discretization, Evolution, Floors, Load, Model, friction_graph};
+use super::{Discretization, Evolution, Floors, Load, Model, friction};
 use algebra::linalg::norm;
 use vhi::history::TimeGrid;
 use vhi::law::Projection;
@@ -159,7 +159,7 @@ impl<'a> March<'a> {
         space.frames.to_cartesian(&mut self.nodal);
         let pressures = [&mut self.compliance[..], &mut self.multiplier];
         split_pressures(space, model, evolution.graph(), state, pressures);
-        friction_graph::show(space, &state.pressure, &mut self.friction);
+        friction::show(space, &state.pressure, &mut self.friction);
         let (zeta, strain_norm) = (evolution.zeta(), evolution.problem.strain_norm());
         let view = StepView {
             n,

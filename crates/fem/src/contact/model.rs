@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use super::friction_law::{Friction, OnContactInTime};
+use super::friction::{Friction, OnContactInTime};
 use crate::space::Element;
 use vhi::history::{TimeGrid, TimeRule, last_weight};
 use vhi::law::{AnyProjection, MemoryKernel, Potential, Scaled, TensorField};

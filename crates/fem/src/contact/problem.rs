@@ -12,7 +12,7 @@ use super::assembly::{ROOM, point_stiffness, stress_force};
 use super::boundary::{boundary_graph, set_gaps};
 use super::compliance::FacetCompliance;
 use super::condensed::Condensed;
-use super::friction_graph::Following;
+use super::friction::Following;
 use super::last_slot::{LastSlot, TangentOf};
 use super::nodal_norms::{strain_norm, strain_norm_from};
 use super::work::Work;
