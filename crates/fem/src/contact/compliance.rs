@@ -3,7 +3,7 @@
 
 use std::cell::Cell;
 
-use super::pieces::{EdgeShift, Pieces, Room, points};
+use super::pieces::{Room, points, watched};
 use super::{Boundary, BoundaryRule, Discretization, Model, TracePoint};
 use crate::space::quadrature::{Rule, edge, triangle_degree_4};
 
@@ -20,8 +20,8 @@ pub(crate) struct FacetCompliance<'a> {
 enum PointRule {
     /// At fixed places: 3 points per edge, exact where ∂j_ν(u_ν) v_ν is a polynomial of degree 5.
     Gauss(Rule),
-    /// On the pieces of each edge between kinks.
-    Exact { law: Pieces, shift: Vec<EdgeShift> },
+    /// On the pieces of each edge between kinks, with s at the watched places of each.
+    Exact(Vec<Vec<f64>>),
 }
 
 /// A facet with the coordinates of its corners.
@@ -74,15 +74,10 @@ impl<'a> FacetCompliance<'a> {
             BoundaryRule::Gauss => PointRule::Gauss(facet_rule(space.mesh.dimension)),
             BoundaryRule::Exact => {
                 assert_eq!(space.mesh.dimension, 2, "the exact rule cuts edges");
-                let along = |facet: &Facet| EdgeShift::new(|x| (boundary.shift)(facet.on_edge(x)));
-                PointRule::Exact {
-                    law: Pieces {
-                        kinks: boundary.potential.kinks().to_vec(),
-                        resolution: boundary.potential.resolution(),
-                        scaled: boundary.scale.is_some(),
-                    },
-                    shift: facets.iter().map(along).collect(),
-                }
+                let shift = |facet: &Facet| -> Vec<f64> {
+                    watched().map(|x| (boundary.shift)(facet.on_edge(x))).collect()
+                };
+                PointRule::Exact(facets.iter().map(shift).collect())
             }
         };
         Some(Self { boundary, facets, rule, room: Cell::default() })
@@ -95,9 +90,7 @@ impl<'a> FacetCompliance<'a> {
         let Some(factor) = &self.boundary.scale else { return alpha };
         let places = match &self.rule {
             PointRule::Gauss(rule) => rule.points.clone(),
-            PointRule::Exact { .. } => {
-                [0.0, 0.25, 0.5, 0.75, 1.0].map(|x| vec![1.0 - x, x]).to_vec()
-            }
+            PointRule::Exact(_) => [0.0, 0.25, 0.5, 0.75, 1.0].map(|x| vec![1.0 - x, x]).to_vec(),
         };
         let factors = self.facets.iter().flat_map(|facet| places.iter().map(|b| facet.at(b)));
         alpha * factors.map(factor).fold(0.0, f64::max)
@@ -166,10 +159,10 @@ impl<'a> FacetCompliance<'a> {
                         at(shape, *weight, value, value - (self.boundary.shift)(facet.at(b)));
                     }
                 }
-                PointRule::Exact { law, shift } => {
+                PointRule::Exact(shifts) => {
                     let ends = [normal(&facet.members[0]), normal(&facet.members[1])];
                     let formula = |x: f64| (self.boundary.shift)(facet.on_edge(x));
-                    points(ends, &shift[f], formula, law, &mut room);
+                    points(ends, &shifts[f], formula, &*self.boundary.potential, &mut room);
                     for point in &room.points {
                         let shape = [1.0 - point.place, point.place, 0.0];
                         let value = shape[0] * ends[0] + shape[1] * ends[1];

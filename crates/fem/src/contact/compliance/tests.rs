@@ -116,11 +116,11 @@ fn curved_laws_are_integrated_to_rounding() {
         u[point.unknown as usize] += 0.03 * point.sign;
     }
     let zero = || PiecewiseLinear::new(vec![(0.0, 0.0)], 0.0, 0.0).unwrap();
-    for (curve, allowed) in [
-        (Curve::Rational { stiffness: 2.0, length: 0.04 }, 1e-14),
-        (Curve::Exponential { stiffness: 2.0, length: 0.04 }, 1e-14),
-        // A jump of the second derivative in one interval of 2^-16 of an edge.
-        (Curve::Power { coefficient: 10.0, exponent: 3.0, until: 0.1 }, 1e-13),
+    for (curve, allowed, unresolved) in [
+        (Curve::Rational { stiffness: 2.0, length: 0.004 }, 1e-14, 1e-8),
+        (Curve::Exponential { stiffness: 2.0, length: 0.002 }, 1e-14, 1e-8),
+        // A jump of the second derivative in one interval of 2^-16 of an edge. The points of one piece integrate cubics.
+        (Curve::Power { coefficient: 10.0, exponent: 3.0, until: 0.1 }, 1e-13, -1.0),
     ] {
         let law = || Curved::new(zero(), curve);
         let shift: Shift = |_| 0.0;
@@ -131,7 +131,7 @@ fn curved_laws_are_integrated_to_rounding() {
         assert!(off < allowed, "{curve:?}: {off:e}");
         let coarse: Arc<dyn Potential> = Arc::new(Unresolved(law()));
         let coarse = force(&space, &boundary(coarse, shift, BoundaryRule::Exact), &u);
-        assert!(distance(&coarse, &expected) > 1e-8, "{curve:?}");
+        assert!(distance(&coarse, &expected) > unresolved, "{curve:?}");
     }
 }
 
