@@ -1,10 +1,10 @@
-//! The constraint graphs of Γ3 for the solver.
+//! The constraint graphs of Γ3 for the solver, and what their pressures are made of.
 
 use std::sync::Arc;
 
 use super::{BoundaryRule, Discretization, Model, friction};
 use vhi::law::{NoPotential, Potential};
-use vhi::{BoundaryGraph, Coordinate};
+use vhi::{BoundaryGraph, Coordinate, GraphPiece, StepState};
 
 /// The graphs of Γ3, those of the normal laws first, one a free point of the trace in its order: the shift at the vertices,
 /// the potential where the vertex rule is used, else none, which is the first. After them those of friction. Gaps are those
@@ -63,4 +63,38 @@ pub(super) fn set_gaps(space: &Discretization, model: &Model, t: f64, graph: &mu
     for (point, at) in points.zip(&mut graph.coordinates) {
         at.gap = model.gap(point.side, space.mesh.point(&[point.vertex], &[1.0]), t);
     }
+}
+
+/// c = ξ + λ: at the bound ξ is the least element of ∂j_ν(g) and λ the rest, elsewhere ξ is all.
+pub(super) fn split_pressures(
+    space: &Discretization,
+    model: &Model,
+    graph: &BoundaryGraph,
+    state: &StepState,
+    [compliance, multiplier]: [&mut [f64]; 2],
+) {
+    let mut next = 0;
+    for (i, point) in space.trace.points.iter().enumerate() {
+        let boundary = model.boundary_on(point.side).filter(|_| point.carries());
+        let Some(boundary) = boundary else { continue };
+        let pressure = state.pressure[next];
+        let at = &graph.coordinates[next];
+        let normal = graph.normal(next, &state.u);
+        let piece = graph.piece(next, normal + at.gamma * pressure);
+        next += 1;
+        if boundary.rule == BoundaryRule::Vertex {
+            compliance[i] = match piece {
+                GraphPiece::Pinned { value, lo, .. } if value == at.gap => lo,
+                _ => pressure,
+            };
+            multiplier[i] = pressure - compliance[i];
+        } else {
+            let x = space.mesh.point(&[point.vertex], &[1.0]);
+            let law = boundary.potential_at(x);
+            compliance[i] = law.subdifferential(normal - at.shift).0;
+            multiplier[i] = pressure;
+        }
+    }
+    space.trace.extend(compliance);
+    space.trace.extend(multiplier);
 }

@@ -1,6 +1,7 @@
 //! A case as those see it who run it: its levels, why it has no result, and what it took.
 
-use super::{Floors, LoadError, Work};
+use super::{Floors, LoadError};
+use algebra::linalg::LinearWork;
 use vhi::FailedStep;
 
 /// The solution at one time level, as an observer sees it.
@@ -60,6 +61,19 @@ pub enum CaseError {
         /// `strain` times the stiffest modulus.
         stress: f64,
     },
+}
+
+/// Counters and times of the solver's parts.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Work {
+    /// Evaluations of F.
+    pub residuals: u32,
+    /// Tangents of the projection: walks over the cells.
+    pub tangents: u32,
+    /// Seconds in residuals and tangents.
+    pub seconds_assemble: f64,
+    /// Factorizations and solves.
+    pub linear: LinearWork,
 }
 
 /// What one case took.

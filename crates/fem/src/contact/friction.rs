@@ -48,15 +48,6 @@ pub(super) struct Following {
     pub(super) pressures: Vec<f64>,
 }
 
-impl Following {
-    pub(super) fn take_pressures(&mut self, pressures: &[f64]) {
-        if !self.factors.is_empty() {
-            self.pressures.clear();
-            self.pressures.extend_from_slice(pressures);
-        }
-    }
-}
-
 /// Appends the graphs of friction, one a free point of the trace in its order, without their laws, which
 /// `ContactProblem::set_friction` gives at each time.
 pub(super) fn append_graphs(

@@ -1,9 +1,9 @@
 //! The march in time: Problem 14 step after step, with the history committed after convergence.
 
+use super::boundary::split_pressures;
 use super::case::{CaseError, CaseInfo, KKT_ALLOWED, Observer, StepView};
 use super::floor::Accepted;
 use super::kkt::{accepted_residual, kkt_residual_in};
-use super::pressures::split_pressures;
 use super::{Discretization, Evolution, Floors, Load, Model, friction};
 use algebra::linalg::norm;
 use vhi::history::TimeGrid;

@@ -15,8 +15,7 @@ use super::condensed::Condensed;
 use super::friction::Following;
 use super::last_slot::{LastSlot, TangentOf};
 use super::nodal_norms::{strain_norm, strain_norm_from};
-use super::work::Work;
-use super::{Discretization, Model};
+use super::{Discretization, Model, Work};
 use algebra::in_dimension;
 use algebra::linalg::{
     FactorError, Jacobian, LinearWork, RankOne, TangentSolver, axpy, norm, root_of_squares,
@@ -407,7 +406,10 @@ impl StepInequality for ContactProblem<'_> {
     }
 
     fn take_pressures(&mut self, pressures: &[f64]) {
-        self.following.take_pressures(pressures);
+        if !self.following.factors.is_empty() {
+            self.following.pressures.clear();
+            self.following.pressures.extend_from_slice(pressures);
+        }
     }
 
     fn linearize(&mut self, slopes: &[f64], prescribed: &[Option<f64>]) -> Result<(), FactorError> {
