@@ -115,20 +115,6 @@ impl Model {
         self.boundary_on(side).map_or(f64::INFINITY, |boundary| (boundary.gap)(x, t))
     }
 
-    /// ‖ℬ(lag)‖ on S^d, the largest of all regions; zero without memory.
-    pub fn memory_norm(&self, lag: f64, d: usize) -> f64 {
-        self.weighted_memory_norm(|kernel| kernel.value(lag), d)
-    }
-
-    /// ‖Σ_i w_i ℬ_i‖ likewise, w_i by the kernels: their values, or weights of a rule with them.
-    pub fn weighted_memory_norm(&self, weight: impl Fn(&dyn MemoryKernel) -> f64, d: usize) -> f64 {
-        match &self.memory[..] {
-            [] => 0.0,
-            [term] => weight(&*term.kernel).abs() * term.tensor.norm(d),
-            terms => weighted_memory(terms, weight, d).map_or(0.0, |tensor| tensor.norm(d)),
-        }
-    }
-
     /// Weights of the last slot of level n, one per term of the memory.
     pub(crate) fn last_weights(&self, grid: &TimeGrid, n: usize) -> impl Iterator<Item = f64> {
         let weight =
