@@ -7,7 +7,7 @@ use super::cell::{
 };
 use super::guess::{
     approach_a_limit, are_orders, by_deviation, by_numbers, by_powers, by_values, confirm,
-    hardly_changes, is_rounding, of_errors,
+    hardly_changes, is_rounding, of_errors, rates_of_norms,
 };
 use super::line::{Block, Cells, evenly, is_computed, listed};
 use super::{Quantity, Reading, TableError};
@@ -225,17 +225,8 @@ impl<'a> Reader<'a> {
                 roles[at] = Role::Ignored;
             }
         }
-        // `r_{L2}` has no number where the error before it has its first.
-        for at in 1..roles.len() {
-            let missing = |row: &Cells, at: usize| is_missing(&row.cells[at]);
-            let behind = matches!(roles[at - 1], Role::Wide | Role::Error)
-                && !block.rows.iter().any(|row| missing(row, at - 1));
-            let entries = block.rows[1..].iter().map(|row| number(&row.cells[at]));
-            let orders = entries.flatten().filter(|rate| (0.2..15.0).contains(&rate.value)).count();
-            let rates = missing(&block.rows[0], at) && orders > 1 && orders + 1 == block.rows.len();
-            if roles[at] == Role::Wide && behind && rates && reading.errors.is_empty() {
-                roles[at] = Role::Ignored;
-            }
+        if reading.errors.is_empty() {
+            rates_of_norms(block, &mut roles);
         }
         // `Error (scheme)` and `Error (other scheme)` are two.
         let errors = |roles: &[Role]| {

@@ -1,7 +1,9 @@
 //! What the numbers of columns say where their names do not.
 
 use super::Reading;
-use super::cell::{Measure, Role, is_norm, is_rate, is_residual, is_size, normal, number};
+use super::cell::{
+    Measure, Role, is_missing, is_norm, is_rate, is_residual, is_size, normal, number,
+};
 use super::line::{Block, Cells, evenly, is_word, listed};
 
 /// Sizes that a person takes for such refine by one factor, as far as they are printed.
@@ -258,6 +260,21 @@ pub(super) fn by_numbers(
         }
     }
     counted.map(|(at, _)| (at, forward.unwrap_or(true)))
+}
+
+/// `r_{L2}`, orders behind an error that has a number in the first row where they have none.
+pub(super) fn rates_of_norms(block: &Block, roles: &mut [Role]) {
+    let missing = |row: &Cells, at: usize| is_missing(&row.cells[at]);
+    for at in 1..roles.len() {
+        let behind = matches!(roles[at - 1], Role::Wide | Role::Error)
+            && !block.rows.iter().any(|row| missing(row, at - 1));
+        let rates = block.rows[1..].iter().filter_map(|row| value(row, at));
+        let orders = rates.filter(|rate| (0.2..15.0).contains(rate)).count();
+        let rates = missing(&block.rows[0], at) && orders > 1 && orders + 1 == block.rows.len();
+        if roles[at] == Role::Wide && behind && rates {
+            roles[at] = Role::Ignored;
+        }
+    }
 }
 
 /// Where no other column is one of errors, a standard error that falls, or grows, in each row is.
