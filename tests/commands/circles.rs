@@ -28,6 +28,24 @@ const KNOWN: &[(&str, &str, usize, &str)] = &[
         "the derivative at the open level is of an evolution, and kept in it",
     ),
     (
+        "fem",
+        "contact/friction",
+        7,
+        "laws of contact and friction are parts of a model, and their forces, states and tangents are made for one",
+    ),
+    (
+        "fem",
+        "contact/discretization",
+        6,
+        "a space holds its trace and its factors, which are made for it, and what a march has counted of them",
+    ),
+    (
+        "fem",
+        "space/element",
+        2,
+        "an element names its rules, and a rule for its products asks for its degree",
+    ),
+    (
         "judge",
         "fit/screen",
         3,
