@@ -268,9 +268,14 @@ pub(super) fn rates_of_norms(block: &Block, roles: &mut [Role]) {
     for at in 1..roles.len() {
         let behind = matches!(roles[at - 1], Role::Wide | Role::Error)
             && !block.rows.iter().any(|row| missing(row, at - 1));
-        let rates = block.rows[1..].iter().filter_map(|row| value(row, at));
-        let orders = rates.filter(|rate| (0.2..15.0).contains(rate)).count();
-        let rates = missing(&block.rows[0], at) && orders > 1 && orders + 1 == block.rows.len();
+        let below = block.rows[1..].iter().map(|row| value(row, at));
+        // Errors change by more: threefold over two halvings from order 0.8 on, by a half over one from 0.6 on.
+        let rates = below.collect::<Option<Vec<f64>>>().filter(|rates| rates.len() > 1);
+        let orders = |rates: &Vec<f64>| {
+            let (least, most) = range(rates);
+            least > 0.2 && most < 15.0 && most < if rates.len() > 2 { 3.0 } else { 1.5 } * least
+        };
+        let rates = missing(&block.rows[0], at) && rates.is_some_and(|rates| orders(&rates));
         if roles[at] == Role::Wide && behind && rates {
             roles[at] = Role::Ignored;
         }
