@@ -121,18 +121,11 @@ pub(super) fn head(
         ways.push(words(first).into_iter().filter(|name| !name.is_empty()).collect());
     }
     let unknown = |names: &Vec<String>| names.iter().filter(|n| role(n) == Role::Unknown).count();
-    // The first row has no rate, but an error, and no mesh of no cells.
-    let index = is_index(&rows);
-    let none = |at: usize| {
-        let cell = rows[0].cells.get(at);
-        cell.is_some_and(|cell| is_missing(cell) || number(cell).is_some_and(|n| n.value == 0.0))
-    };
-    let shifted = |names: &Vec<String>| {
-        let level = role(&names[0]) == Role::Space(Measure::Level);
-        let counts = index && is_size(&names[0]) && !level && none(0);
-        rows.len() > 1 && (counts || (0..width).any(|at| is_norm(&names[at]) && none(at)))
-    };
     let fits = ways.iter().filter_map(|names| fitted(names.clone(), width, &rows));
+    // A column of row numbers has no name.
+    let shifted = |names: &[String]| {
+        (separator == Separator::Blanks || !names[0].is_empty()) && shifted(names, &rows)
+    };
     let best = fits.min_by_key(|(names, extra)| (shifted(names), unknown(names), *extra));
     let Some((names, _)) = best else {
         return block(ways.swap_remove(0), title(1), rows, left_out);
@@ -140,6 +133,17 @@ pub(super) fn head(
     let last = if separator == Separator::Blanks { rows.len() - 1 } else { 0 };
     fill_rates(&mut rows, &names, last);
     block(names, title(1), rows, left_out)
+}
+
+/// Whether names stand above other columns than theirs: the first row has no rate, but an error, and no mesh of no cells.
+fn shifted(names: &[String], rows: &[Cells]) -> bool {
+    let none = |at: usize| {
+        let cell = rows[0].cells.get(at);
+        cell.is_some_and(|cell| is_missing(cell) || number(cell).is_some_and(|n| n.value == 0.0))
+    };
+    let level = role(&names[0]) == Role::Space(Measure::Level);
+    let counts = is_index(rows) && is_size(&names[0]) && !level && none(0);
+    rows.len() > 1 && (counts || (0..names.len()).any(|at| is_norm(&names[at]) && none(at)))
 }
 
 /// Cells of rates that the first rows lack, each beside its norm or all at the end, or the `last` row at its end: between whole rows
