@@ -28,6 +28,11 @@ pub(super) fn is_missing(cell: &str) -> bool {
     bound || cell.is_empty() || MISSING.split(' ').any(|word| cell.eq_ignore_ascii_case(word))
 }
 
+/// Whether a cell has no number but 0, as the first one of rates.
+pub(super) fn is_missing_or_zero(cell: &str) -> bool {
+    is_missing(cell) || number(cell).is_some_and(|number| number.value == 0.0)
+}
+
 pub(super) fn number(cell: &str) -> Option<Number> {
     let plain = |value, comma| Some(Number { value, comma, unit: String::new() });
     if let Ok(value) = cell.parse::<f64>() {
@@ -100,7 +105,7 @@ pub(super) fn number(cell: &str) -> Option<Number> {
     if let Some((a, b)) = text.split_once('^') {
         // What stands high behind any other number is a note, or that of the sides of a mesh.
         let base = |a: f64| if a <= 10.0 { a } else { f64::NAN };
-        let whole = float(a).filter(|a| a.fract() == 0.0 || a.abs() < 10.0 && text.contains('π'));
+        let whole = float(a).filter(|a| a.fract() == 0.0);
         return whole.zip(float(b)).and_then(|(a, b)| plain(base(a).powf(b), Comma::None));
     }
     if text.contains(['x', '×']) {
@@ -453,9 +458,8 @@ pub(super) fn is_rate(name: &str) -> bool {
             let behind = word.strip_prefix(rate).is_some_and(|behind| {
                 behind.len() < 2 || behind.contains(|c: char| c.is_ascii_digit())
             });
-            let front = bare.strip_suffix(rate).filter(|_| rate.len() > 2);
             // `integrate` is none.
-            behind || front.is_some_and(|front| front.len() < 5)
+            behind || bare.strip_suffix(rate).is_some_and(|front| front.len() < 5)
         })
     };
     let words = name.split(|c: char| !c.is_alphanumeric()).map(normal);

@@ -3,7 +3,8 @@
 use std::collections::{HashMap, HashSet};
 
 use super::cell::{
-    Comma, Measure, Number, Role, is_missing, is_rate, likeness, named, number, role, says_error,
+    Comma, Measure, Number, Role, is_missing, is_missing_or_zero, is_rate, likeness, named, number,
+    role, says_error,
 };
 use super::guess::{
     approach_a_limit, are_orders, by_deviation, by_numbers, by_powers, by_values, confirm,
@@ -201,8 +202,7 @@ impl<'a> Reader<'a> {
                 |from: &usize| matches!(roles[*from], Role::Unknown | Role::Wide | Role::Error);
             let computed =
                 (0..at).rev().filter(open).find(|&from| is_computed(&block.rows, at, from));
-            let first = &block.rows[0].cells[at];
-            let begins = is_missing(first) || number(first).is_some_and(|n| n.value == 0.0);
+            let begins = is_missing_or_zero(&block.rows[0].cells[at]);
             let sized = |of: usize| roles[of].size().is_some();
             // Of `N`, `h` and its rate `h` is the height of water.
             let field = match roles[at - 1] {

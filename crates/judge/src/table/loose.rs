@@ -98,11 +98,7 @@ fn pairs(line: &str) -> Vec<(String, String)> {
                 found.push((BEHIND.into(), word.to_owned()));
             }
             "is" | "was" if error_of.is_some() && name.is_empty() => {}
-            _ if number(word).is_some()
-                && count(words.peek()).is_some()
-                && !is_solver(&named)
-                && !name.contains(&"took") =>
-            {
+            _ if number(word).is_some() && count(words.peek()).is_some() && !is_solver(&named) => {
                 found.extend(count(words.peek()).map(|name| (name, word.to_owned())));
                 words.next();
                 name.clear();

@@ -1,6 +1,8 @@
 //! The names of the columns of a block, from the lines above its rows.
 
-use super::cell::{Measure, Role, is_missing, is_norm, is_rate, is_size, normal, number, role};
+use super::cell::{
+    Measure, Role, is_missing, is_missing_or_zero, is_norm, is_rate, is_size, normal, number, role,
+};
 use super::line::{Block, Cells, Kind, Line, Separator, is_computed, is_title, is_word};
 
 /// The block below `above`, with the names that stand there; no names if there are none that fit.
@@ -137,10 +139,7 @@ pub(super) fn head(
 
 /// Whether names stand above other columns than theirs: the first row has no rate, but an error, and no mesh of no cells.
 fn shifted(names: &[String], rows: &[Cells]) -> bool {
-    let none = |at: usize| {
-        let cell = rows[0].cells.get(at);
-        cell.is_some_and(|cell| is_missing(cell) || number(cell).is_some_and(|n| n.value == 0.0))
-    };
+    let none = |at: usize| rows[0].cells.get(at).is_some_and(|cell| is_missing_or_zero(cell));
     let level = role(&names[0]) == Role::Space(Measure::Level);
     let counts = is_index(rows) && is_size(&names[0]) && !level && none(0);
     rows.len() > 1 && (counts || (0..names.len()).any(|at| is_norm(&names[at]) && none(at)))
@@ -242,7 +241,7 @@ fn fitted(names: Vec<String>, width: usize, rows: &[Cells]) -> Option<(Vec<Strin
         // The coarsest level has no rate; what has a number there is none.
         let first = &rows[0].cells;
         let no_rate = |cell: &String| {
-            is_missing(cell) || number(cell).is_some_and(|n| n.value.is_nan() || n.value == 0.0)
+            is_missing_or_zero(cell) || number(cell).is_some_and(|n| n.value.is_nan())
         };
         let open = |at: usize| with[at] != "rate" || first.get(at).is_some_and(no_rate);
         let short = first.len() + extra == width;
