@@ -289,7 +289,8 @@ static IGNORED: LazyLock<HashSet<&str>> = LazyLock::new(|| COUNTERS.split_whites
 static NORMS: LazyLock<HashSet<&str>> = LazyLock::new(|| NORM_NAMES.split_whitespace().collect());
 
 pub(super) fn role(name: &str) -> Role {
-    if name.len() > LONGEST_NAME {
+    // Words that stand far apart are no one name.
+    if name.len() > LONGEST_NAME || name.trim().contains("   ") {
         return Role::Unknown;
     }
     // A unit in brackets is no part of the name.

@@ -123,7 +123,7 @@ impl Block {
         let open = |row: &Cells, at| row.cells.get(at).is_some_and(String::is_empty);
         for at in 0..=sized {
             let many = self.rows.iter().filter(|row| open(row, at)).count();
-            if open(&self.rows[0], at) || 2 * many < self.rows.len() {
+            if is_norm(&self.names[at]) || open(&self.rows[0], at) || 2 * many < self.rows.len() {
                 continue;
             }
             filled.push(self.names[at].clone());
