@@ -126,7 +126,7 @@ def blocks(lines, separator):
         if separator is None and re.match(r"\||.*\t", line.strip()) or '"' in line or re.search("begin|hline.*[&]", line):
             raise Unsure(line)
         # `H1 ate` among names that stand far apart may be one name; `order u` is that of `u`.
-        if separator is None and re.search(r"\S \S", line.strip()) and re.search(r"\S {3,}\S", line):
+        if separator is None and re.search(r"\S[ \xa0]\S", line.strip()) and re.search(r"\S {3,}\S", line):
             raise Unsure(line)
         if any(of == "rate" and " " in name and bare(name.split(" ")[1]) in map(bare, names) for name, of in zip(names, known)):
             raise Unsure("a rate of a name")
@@ -136,7 +136,7 @@ def blocks(lines, separator):
             continue
         if any(name.count("[") + name.count("(") > name.count("]") + name.count(")") or re.search("(?i)norm|multicolumn|[;,&]|^[|]+$", name) for name in names):
             raise Unsure(line)
-        if not all(names[1:]):
+        if not all(names[1:]) or any(name and not bare(name) and "|" not in name for name in names):
             raise Unsure("a column without a name")
         rows = []
         while at < len(lines):

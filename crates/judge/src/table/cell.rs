@@ -290,7 +290,8 @@ static NORMS: LazyLock<HashSet<&str>> = LazyLock::new(|| NORM_NAMES.split_whites
 
 pub(super) fn role(name: &str) -> Role {
     // Words that stand far apart are no one name.
-    if name.len() > LONGEST_NAME || name.trim().contains("   ") {
+    let words = name.split("   ").filter(|part| part.contains(char::is_alphanumeric));
+    if name.len() > LONGEST_NAME || words.count() > 1 {
         return Role::Unknown;
     }
     // A unit in brackets is no part of the name.

@@ -125,8 +125,9 @@ impl Columns {
                 continue;
             }
             let name = &names[size.at];
-            // 1, 2, 3 may be row numbers, levels or degrees.
-            if evenly(&size.steps) {
+            // 1, 2, 3 may be row numbers, levels or degrees; a count has no point.
+            let pointed = block.rows.iter().any(|row| row.cells[size.at].contains('.'));
+            if pointed || evenly(&size.steps) {
                 return fail(format!(
                     "`{name}` is whole and the errors fall where it grows: is it a count? Call it `n` if it counts cells along a side, `steps` if it counts steps"
                 ));

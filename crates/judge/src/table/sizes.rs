@@ -200,13 +200,19 @@ impl Reader<'_> {
         Ok(Some(first))
     }
 
-    /// Beside a mesh that is refined in each row a time step that stays and falls by turns is one of the runs, and no size.
+    /// Beside a mesh that is refined in each row a time step that stays and falls by turns is one of the runs, and no size; one that
+    /// grows is a time.
     pub(super) fn drop_steps(&mut self, sizes: &mut [Option<Size>; 2]) {
         let [Some(mesh), Some(time)] = &*sizes else { return };
         let refined = mesh.steps.windows(2).all(|pair| pair[1] < pair[0]);
         let falls = time.steps.windows(2).filter(|pair| pair[1] < pair[0]).count();
         let stays = time.steps.windows(2).filter(|pair| pair[1] == pair[0]).count();
-        if refined && falls > 0 && stays > 0 && falls + stays + 1 == time.steps.len() {
+        let mut both = mesh.steps.windows(2).zip(time.steps.windows(2));
+        let against = time.measure == Measure::Length
+            && time.steps.iter().any(|step| step.fract() != 0.0)
+            && both.all(|(mesh, time)| (mesh[1] - mesh[0]) * (time[1] - time[0]) < 0.0);
+        let by_turns = falls > 0 && stays > 0 && falls + stays + 1 == time.steps.len();
+        if refined && by_turns || against && time.steps.len() > 2 {
             self.left_out.push(time.at);
             sizes[1] = None;
         }
