@@ -134,7 +134,7 @@ def blocks(lines, separator):
             if len(re.findall(r"(?<![\w.])[-+.]?\d", line)) > 1 or kind(line) == "error":
                 raise Unsure(line)
             continue
-        if any(name.count("[") + name.count("(") > name.count("]") + name.count(")") or re.search("(?i)norm|multicolumn|[;,&]|^[|]+$", name) for name in names):
+        if any(name.count("[") + name.count("(") > name.count("]") + name.count(")") or re.search("(?i)norm|multicolumn|percent|[;,&]|^[|]+$", name) for name in names):
             raise Unsure(line)
         if not all(names[1:]) or any(name and not bare(name) and "|" not in name for name in names):
             raise Unsure("a column without a name")

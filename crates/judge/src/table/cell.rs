@@ -290,7 +290,10 @@ static NORMS: LazyLock<HashSet<&str>> = LazyLock::new(|| NORM_NAMES.split_whites
 
 pub(super) fn role(name: &str) -> Role {
     // Words that stand far apart are no one name.
-    let words = name.split("   ").filter(|part| part.contains(char::is_alphanumeric));
+    let words = name.split('\t').flat_map(|part| part.split("   "));
+    let bar = if name.starts_with('|') && !name.contains('-') { " | " } else { "\t" };
+    let words = words.flat_map(|part| part.split(bar));
+    let words = words.filter(|part| part.contains(char::is_alphanumeric));
     if name.len() > LONGEST_NAME || words.count() > 1 {
         return Role::Unknown;
     }
@@ -309,6 +312,10 @@ pub(super) fn role(name: &str) -> Role {
         && let Some(&role) = KNOWN.get(&*normal(rest))
         && role.size().is_some()
     {
+        return role;
+    }
+    // Nor is a quotient: `e_N/e_{2N}` is a rate, `dt/dx^2` no step.
+    if let Some(role) = quotient(name) {
         return role;
     }
     let power = bare.trim_start_matches([' ', '$', '`']);
@@ -365,6 +372,12 @@ pub(super) fn role(name: &str) -> Role {
         "" => Role::Ignored,
         // Nor is what theory expects.
         _ if has("iter expect predict theor std deviation") || is_residual(bare) => Role::Unknown,
+        // Or what a solution has.
+        _ if has("kineticenergy totalenergy potentialenergy freeenergy")
+            && !has("err diff norm") =>
+        {
+            Role::Unknown
+        }
         _ if measures() || NORMS.contains(&*normalised) || bars => Role::Wide,
         _ => {
             let known = |word: &str| {
@@ -381,6 +394,39 @@ pub(super) fn role(name: &str) -> Role {
             }
         }
     }
+}
+
+/// The role of a quotient of two errors, or of two sizes.
+fn quotient(name: &str) -> Option<Role> {
+    let sides: [&str; 2] = name.splitn(2, '/').collect::<Vec<_>>().try_into().ok()?;
+    let plain = sides.map(|side| side.replace(['$', '|', '\\', ' ', '‖', '`'], ""));
+    let power = |side: &String| normal(side).trim_end_matches('2').to_owned();
+    let length = |side: &String| {
+        matches!(
+            KNOWN.get(&*power(side)),
+            Some(Role::Space(Measure::Length) | Role::Time(Measure::Length))
+        )
+    };
+    let error = |side: &String| side.starts_with("e_") || side.starts_with("E_");
+    match () {
+        () if plain.iter().all(error) => Some(Role::Ignored),
+        () if plain.iter().all(length) => Some(Role::Unknown),
+        () => None,
+    }
+}
+
+/// Whether a name is that of a norm of the solution or the data: `L2 norm of u`, `\|u_h\|`, but not `\|u - u_h\|`.
+pub(super) fn is_of_solution(name: &str) -> bool {
+    let lower = name.to_lowercase();
+    let differs =
+        ["err", "diff", "dist", "-", "\u{2212}", "resid"].iter().any(|of| lower.contains(of));
+    let inside = lower.split(['|', '‖']).find(|part| !normal(part).is_empty());
+    let symbol = inside.map(|part| part.trim_matches(['\\', '$', ' ', '{', '}', '`']));
+    let of_one = symbol.and_then(|part| part.split('_').next()).is_some_and(|symbol| {
+        lower.contains(['|', '‖']) && ["u", "v", "w", "p", "f", "\\sigma"].contains(&symbol)
+    });
+    let words = || lower.split(|c: char| !c.is_alphanumeric());
+    !differs && (of_one || words().any(|word| word == "norm"))
 }
 
 /// `elements per edge`, `cells in x` and `sqrt(dofs)` are counted along a side.

@@ -3,8 +3,8 @@
 use std::collections::{HashMap, HashSet};
 
 use super::cell::{
-    Comma, Measure, Number, Role, is_missing, is_missing_or_zero, is_rate, likeness, named, number,
-    role, says_error,
+    Comma, Measure, Number, Role, is_missing, is_missing_or_zero, is_of_solution, is_rate,
+    likeness, named, number, role, says_error,
 };
 use super::guess::{
     approach_a_limit, are_orders, by_deviation, by_numbers, by_powers, by_values, confirm,
@@ -85,9 +85,10 @@ impl Columns {
         for row in &block.rows {
             if row.cells.len() != names.len() {
                 let found = counted(row.cells.len(), "field");
-                let hint = match row.cells.len() == 2 * names.len() {
+                let whole = row.cells.iter().all(|cell| !cell.contains('.'));
+                let hint = match whole && row.cells.len() == 2 * names.len() {
                     true => "; decimal commas are written as points, or cells parted by `;`",
-                    false => "",
+                    false => ": name each column, or take out what is no row",
                 };
                 let what = format!("{found}, the header has {}{hint}", names.len());
                 return Err(TableError::at(row.line, what));
@@ -374,8 +375,8 @@ impl<'a> Reader<'a> {
             let columns: Vec<&str> = (0..self.roles.len())
                 .filter(|&at| matches!(self.roles[at], Role::Unknown | Role::Parameter))
                 .map(|at| self.block.names[at].as_str())
-                // What ends with a colon is prose above the rows.
-                .filter(|name| !name.is_empty() && !name.ends_with(':'))
+                // What ends with a colon is prose above the rows, and `r` is a rate.
+                .filter(|name| !name.is_empty() && !name.ends_with(':') && *name != "r")
                 .collect();
             let repeated = self.block.repeated.first();
             return fail(match (columns.first(), repeated) {
@@ -437,8 +438,9 @@ impl<'a> Reader<'a> {
                 || self.column(*at, false).ok()?.into_iter().collect::<Option<Vec<f64>>>();
             // So is a norm of no difference that is rounding throughout.
             let bare = name.contains('|') && !name.contains(['-', '\u{2212}']);
+            let value = || !says_error(name) || is_of_solution(name);
             entries().filter(|_| !asked(name)).is_some_and(|e| {
-                !says_error(name) && (approach_a_limit(&e) || beside && hardly_changes(&e))
+                value() && (approach_a_limit(&e) || beside && hardly_changes(&e))
                     || beside && bare && is_rounding(&e)
             })
         };

@@ -253,7 +253,10 @@ pub(super) fn by_numbers(
             falls.filter(|(_, fall)| !bare || *fall > LEAST_BESIDE).collect();
         let sound = falls.iter().all(|(_, fall)| *fall > LEAST_BESIDE);
         if sound && falls.iter().any(|(_, fall)| *fall > LEAST_FALL) {
-            let falling: Vec<usize> = falls.into_iter().map(|(at, _)| at).collect();
+            let falling = falls.into_iter().map(|(at, _)| at);
+            let with = |at: &usize| counted.is_some_and(|(of, _)| goes_with(rows, of, *at));
+            let (sized, errors): (Vec<usize>, Vec<usize>) = falling.partition(with);
+            let falling = if errors.is_empty() { sized } else { errors };
             let names = listed(falling.iter().map(|&at| &block.names[at]));
             notes.push(format!("{names} taken for errors because they fall"));
             falling.into_iter().for_each(|at| roles[at] = Role::Wide);
@@ -331,7 +334,14 @@ pub(super) fn by_powers(block: &Block, named: bool, roles: &mut [Role], notes: &
     };
     let open = |at: &usize| roles[*at] == Role::Unknown && !other(*at) && numeric(*at);
     let open: Vec<usize> = (0..roles.len()).filter(open).collect();
-    let found: Vec<(usize, f64)> = open.iter().filter_map(|&at| Some((at, falls(at)?))).collect();
+    let mut found: Vec<(usize, f64)> =
+        open.iter().filter_map(|&at| Some((at, falls(at)?))).collect();
+    // Made up errors are exact, too.
+    let exact = (0..roles.len())
+        .any(|of| matches!(roles[of], Role::Wide | Role::Error) && goes_with(&block.rows, at, of));
+    if named && !exact {
+        found.retain(|&(of, _)| !goes_with(&block.rows, at, of));
+    }
     // Where no name says what an error is, a column that does not fall leaves it open, unless the others fall clearly.
     let clear = || found.iter().all(|(_, fall)| *fall >= TWO_DECADES);
     if !found.is_empty() && (named || found.len() == open.len() || clear()) {
@@ -339,6 +349,20 @@ pub(super) fn by_powers(block: &Block, named: bool, roles: &mut [Role], notes: &
         notes.push(format!("{names} taken for errors because they fall"));
         found.into_iter().for_each(|(at, _)| roles[at] = Role::Wide);
     }
+}
+
+/// Whether a column is exactly a power of a size, as a parameter that is refined with it.
+fn goes_with(rows: &[Cells], size: usize, at: usize) -> bool {
+    let log = |row: &Cells, at| value(row, at).map(f64::ln);
+    let pair = |pair: &[Cells]| {
+        let change = |at| Some(log(&pair[1], at)? - log(&pair[0], at)?);
+        Some(change(at)? / change(size)?)
+    };
+    let powers: Option<Vec<f64>> = rows.windows(2).map(pair).collect();
+    powers.is_some_and(|powers| {
+        let exact = |power: &f64| power.round() != 0.0 && (power - powers[0].round()).abs() < 1e-6;
+        powers.len() > 1 && powers.iter().all(exact)
+    })
 }
 
 /// By how much numbers fall that do so like powers of sizes; both are logarithms. Rows may hold several ladders, of which each begins

@@ -617,8 +617,12 @@ fn cut(text: &str, separator: Separator) -> Vec<String> {
         }
         Separator::Blanks => {
             // A bar that stands alone parts columns; `||u-u_h||` is a name.
-            let bare = text.trim().trim_start_matches(BARS).trim_end_matches("\u{2502}");
-            let bare = if text.trim().starts_with('|') { bare.trim_end_matches('|') } else { bare };
+            let text = text.trim().trim_end_matches("\u{2502}");
+            let norm =
+                text.strip_prefix("||").is_some_and(|of| of.starts_with(char::is_alphabetic));
+            let bare = if norm { text } else { text.trim_start_matches(BARS) };
+            let bared = text.starts_with('|') && !norm;
+            let bare = if bared { bare.trim_end_matches('|') } else { bare };
             let mut cells: Vec<String> = Vec::new();
             for word in bare.split_whitespace() {
                 let inner =

@@ -49,6 +49,8 @@ enum Token<'a> {
 
 fn tokens(line: &str, mut depth: usize) -> Vec<Token<'_>> {
     let mut found = Vec::new();
+    // `NN,ND` in a cell is one word.
+    let barred = line.trim_start().starts_with('|');
     for mut rest in line.split_whitespace() {
         while let Some(first) = rest.chars().next() {
             let next = &rest[first.len_utf8()..];
@@ -77,11 +79,18 @@ fn tokens(line: &str, mut depth: usize) -> Vec<Token<'_>> {
                         if number(whole).is_some() { whole } else { whole.trim_end_matches('.') };
                     // `16,32,64` are three, `0,5` may be one.
                     let one = whole.matches(',').count() < if depth > 0 { 1 } else { 2 };
-                    let marks = |c: char| ",;=:[]".contains(c) || BARS.contains(&c) && behind;
+                    let joins = |at: usize| {
+                        let letter = |c: char| c.is_alphabetic();
+                        barred && rest[..at].ends_with(letter) && rest[at + 1..].starts_with(letter)
+                    };
+                    let marks = |at: usize, c: char| {
+                        ",;=:[]".contains(c) && !(c == ',' && joins(at))
+                            || BARS.contains(&c) && behind
+                    };
                     let stop = rest
                         .char_indices()
                         .skip(1)
-                        .find(|(_, c)| marks(*c))
+                        .find(|(at, c)| marks(*at, *c))
                         .map_or(rest.len(), |(at, _)| at);
                     // `error[0]` is a name.
                     let index =
@@ -274,6 +283,11 @@ fn tables(text: &str) -> Vec<Vec<List>> {
         // The bars of `\| u \|` are its own.
         let marks = if name.contains("\\|") { "\"'`" } else { "\"'`|" };
         list.name = singular(name.trim_matches(|c: char| c.is_whitespace() || marks.contains(c)));
+        // `L2 error at n = 8, 16, 32` lists sizes.
+        let at = [" at ", " for ", " with "].iter().find_map(|of| list.name.rsplit_once(of));
+        if let Some((_, size)) = at.filter(|(error, size)| is_norm(error) && is_size(size)) {
+            list.name = size.to_owned();
+        }
         if list.name.is_empty() && list.cells.iter().all(|cell| cell.contains(['x', '×'])) {
             (list.name, list.across) = ("mesh".into(), true);
         }

@@ -74,6 +74,9 @@ fn pairs(line: &str) -> Vec<(String, String)> {
             "," => name.clear(),
             "=" => {
                 let named = error_of.take().filter(|_| name.is_empty()).unwrap_or(named);
+                // `L2error 0 = 0.05` counts its errors.
+                let counted = named.rsplit_once(' ').filter(|(of, n)| is_norm(of) && value(n));
+                let named = counted.map_or(named.clone(), |(of, _)| of.to_owned());
                 // What stands behind a size without a name: `n = 8: 0.1`.
                 let bare = name.is_empty() && found.last().is_some_and(|(name, _)| is_size(name));
                 let named = if named.is_empty() && bare { BEHIND.into() } else { named };
@@ -116,6 +119,7 @@ fn pairs(line: &str) -> Vec<(String, String)> {
             }
             // A row of numbers names nothing.
             _ if number(word).is_some()
+                && (words.peek() != Some(&"=") || !is_norm(&named))
                 && (!name.iter().all(|word| value(word))
                     && (is_norm(&named) || is_size(&named))
                     || name.is_empty() && error_of.is_some()) =>
@@ -238,8 +242,30 @@ pub(super) fn records(text: &Text, begins: Records) -> Vec<Block> {
     };
     match headed.len() > 1 && below().filter(sized).count() == headed.len() {
         true => headed,
-        false => records_of(&lines, begins).into_iter().collect(),
+        false => records_of(&lines, begins).into_iter().flat_map(apart).collect(),
     }
+}
+
+/// Lines that follow one another, and begin with one size each time, are tables of their own.
+fn apart(block: Block) -> Vec<Block> {
+    let Some(size) = block.names.iter().position(|name| is_size(name)) else { return vec![block] };
+    let first = &block.rows[0].cells[size];
+    let goes_on =
+        |one: &Cells, next: &Cells| next.line == one.line + 1 || next.cells[size] != *first;
+    let parts: Vec<&[Cells]> = block.rows.chunk_by(goes_on).collect();
+    let close = |rows: &&[Cells]| {
+        rows.len() > 2 && rows.windows(2).all(|pair| pair[1].line == pair[0].line + 1)
+    };
+    if parts.len() < 2 || !parts.iter().all(close) {
+        return vec![block];
+    }
+    let table = |rows: &[Cells]| Block {
+        line: rows[0].line,
+        end: rows[rows.len() - 1].line,
+        rows: rows.to_vec(),
+        ..block.clone()
+    };
+    parts.into_iter().map(table).collect()
 }
 
 /// The norms and the rates of a level may stand in lines of their own, which name its sizes again.

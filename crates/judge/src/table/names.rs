@@ -43,7 +43,7 @@ pub(super) fn head(
         && (is_title(title) || assigns(title))
         && title.cells.len() < width
         && names.cells.len() == width
-        && names.cells.iter().any(|name| is_size(name))
+        && (title.text.trim() == "ans =" || names.cells.iter().any(|name| is_size(name)))
         && names.cells.iter().any(|name| is_norm(name))
     {
         texts.swap(0, 1);
@@ -85,6 +85,12 @@ pub(super) fn head(
     // Two rows of names: `rho` over `error EOC`.
     if let Some(second) = texts.get(1)
         && let Some(names) = two_rows(&words(second), &words(first), width)
+    {
+        return block(names, title(2), rows, left_out);
+    }
+    if separator == Separator::Blanks
+        && let Some(names) = texts.get(1).and_then(|line| named_rows(&words(line), &words(first)))
+        && names.len() == width
     {
         return block(names, title(2), rows, left_out);
     }
@@ -135,6 +141,14 @@ pub(super) fn head(
     let last = if separator == Separator::Blanks { rows.len() - 1 } else { 0 };
     fill_rates(&mut rows, &names, last);
     block(names, title(1), rows, left_out)
+}
+
+/// Below the name of the columns, `method Euler RK4`, pandas prints that of the rows.
+fn named_rows(above: &[String], below: &[String]) -> Option<Vec<String>> {
+    let ([row], [_, names @ ..]) = (below, above) else { return None };
+    let other = |name: &String| !is_size(name) && number(name).is_none();
+    let found = is_size(row) && above.iter().all(other);
+    found.then(|| [std::slice::from_ref(row), names].concat())
 }
 
 /// Whether names stand above other columns than theirs: the first row has no rate, but an error, and no mesh of no cells.

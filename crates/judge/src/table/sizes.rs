@@ -257,7 +257,7 @@ impl Reader<'_> {
                 at != size.at && matches!(self.roles[at], Role::Space(_) | Role::Time(_))
             });
             let grows = distinct.len() > 1 && distinct[1] > distinct[0];
-            let degree = time && name == "k" && whole && grows;
+            let degree = time && name == "k" && whole && (grows || distinct.len() == 1);
             // `eps` of 1/N says that `N` counts.
             let inverse = (0..self.roles.len())
                 .any(|of| self.roles[of] == Role::Unknown && self.is_inverse(size.at, of));
