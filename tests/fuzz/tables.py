@@ -134,8 +134,10 @@ def blocks(lines, separator):
             if len(re.findall(r"(?<![\w.])[-+.]?\d", line)) > 1 or kind(line) == "error":
                 raise Unsure(line)
             continue
-        if any(name.count("[") + name.count("(") > name.count("]") + name.count(")") or re.search("(?i)norm|multicolumn|percent|[;,&]|^[|]+$", name) for name in names):
+        if any(name.count("[") + name.count("(") > name.count("]") + name.count(")") or re.search("(?i)norm|multicolumn|percent|htime|[;,&=\t]|^[|]+$", name) for name in names):
             raise Unsure(line)
+        if any(of == "size" and after == "rate" for of, after in zip(known, known[1:])):
+            raise Unsure("a rate behind a size")
         if not all(names[1:]) or any(name and not bare(name) and "|" not in name for name in names):
             raise Unsure("a column without a name")
         rows = []
@@ -237,6 +239,8 @@ def second(text, asked):
                     if known[at] == "error":
                         values = [number(row[at]) for row in rows]
                         there = [value for value in values if value is not None]
+                        if 0 in there:
+                            raise Unsure("an error of 0")
                         if there and max(there) <= 0 and min(there) < 0:
                             values = [value and abs(value) for value in values]
                         points = [(h, k, value) for (h, k), value in zip(sizes, values) if value is not None and math.isfinite(value)]

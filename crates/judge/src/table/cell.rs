@@ -294,7 +294,9 @@ pub(super) fn role(name: &str) -> Role {
     let bar = if name.starts_with('|') && !name.contains('-') { " | " } else { "\t" };
     let words = words.flat_map(|part| part.split(bar));
     let words = words.filter(|part| part.contains(char::is_alphanumeric));
-    if name.len() > LONGEST_NAME || words.count() > 1 {
+    // Nor is the piece of a row.
+    let piece = |(first, _)| number(first).is_some();
+    if name.len() > LONGEST_NAME || words.count() > 1 || name.split_once(" | ").is_some_and(piece) {
         return Role::Unknown;
     }
     // A unit in brackets is no part of the name.

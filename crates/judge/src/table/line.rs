@@ -484,8 +484,10 @@ fn message(line: &str) -> &str {
         let time = |word: &str| {
             let marks = word.chars().filter(|c| "-:".contains(*c)).count();
             let dated = word.trim_start_matches('[').starts_with(|c: char| c.is_ascii_digit());
+            // `0.5,0.0128,-,-0.2` is a row.
             dated
                 && marks > 1
+                && !word.contains(",-")
                 && word.chars().all(|c| c.is_ascii_digit() || "-:.,TZ+[]".contains(c))
         };
         let level = || ["INFO", "INFO:", "DEBUG", "Info:"].contains(&word);
