@@ -202,6 +202,9 @@ impl<'a> Reader<'a> {
         for at in 1..roles.len() {
             let open =
                 |from: &usize| matches!(roles[*from], Role::Unknown | Role::Wide | Role::Error);
+            // A rate behind an error is that of no other column.
+            let behind = is_rate(names[at]) && matches!(roles[at - 1], Role::Wide | Role::Error);
+            let open = |from: &usize| open(from) && !(behind && roles[*from] == Role::Unknown);
             let computed =
                 (0..at).rev().filter(open).find(|&from| is_computed(&block.rows, at, from));
             let begins = is_missing_or_zero(&block.rows[0].cells[at]);
