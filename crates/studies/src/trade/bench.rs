@@ -14,17 +14,14 @@ use scene::setup::{MeshData, Setup, SetupError, reference_run};
 use scene::{Body, Change, ContactQuadrature, ContactScene, Data, LoadForm, Norm, Scene};
 use serde::Serialize;
 
-/// One run, as files have it; numbers that a run which failed has not are NaN.
+/// One run; numbers that a run which failed has not are NaN.
 #[derive(Debug, Clone, Serialize)]
 pub(super) struct Trial {
-    pub scene: String,
-    pub change: Change,
     pub n: u32,
     pub steps: u32,
     pub h: f64,
     pub k: f64,
     pub dofs: usize,
-    pub norm: Norm,
     pub error: f64,
     pub floor: f64,
     /// Of the thread: mesh, analysis, loads and march.
@@ -34,9 +31,6 @@ pub(super) struct Trial {
     pub history_bytes: usize,
     pub newton_iterations: u32,
     pub factorizations: u32,
-    /// No run is as good in time and error and better in one.
-    pub front: bool,
-    pub status: &'static str,
     /// Why there is no error.
     pub reason: Option<String>,
     /// On the coarsest mesh: the error in k alone.
@@ -45,6 +39,27 @@ pub(super) struct Trial {
 }
 
 impl Trial {
+    /// A run that was not made.
+    pub(super) fn new([n, steps]: [u32; 2], [h, k]: [f64; 2]) -> Self {
+        let [error, floor, seconds, load_share] = [f64::NAN; 4];
+        Self {
+            n,
+            steps,
+            h,
+            k,
+            dofs: 0,
+            error,
+            floor,
+            seconds,
+            load_share,
+            history_bytes: 0,
+            newton_iterations: 0,
+            factorizations: 0,
+            reason: None,
+            in_time: None,
+        }
+    }
+
     /// n and N.
     pub(super) fn place(&self) -> [u32; 2] {
         [self.n, self.steps]
@@ -97,8 +112,6 @@ pub(super) struct Bench<'a> {
     reference: Option<Arc<ReferenceRun>>,
     /// Largest ‖ε(u)‖ of the truth that was met.
     pub size: f64,
-    /// What was run, in this order.
-    pub trials: Vec<Trial>,
 }
 
 impl<'a> Bench<'a> {
@@ -107,7 +120,7 @@ impl<'a> Bench<'a> {
         let reference =
             scene_reference(setup).map(|wanted| reference_run(setup, wanted.n, wanted.steps, 1));
         let reference = reference.transpose()?.map(Arc::new);
-        Ok(Self { setup, norm, reference, size: 0.0, trials: Vec::new() })
+        Ok(Self { setup, norm, reference, size: 0.0 })
     }
 
     /// Runs the scene with a change on some meshes, from few steps to many, and says what came of it.
@@ -117,7 +130,8 @@ impl<'a> Bench<'a> {
         meshes: &[u32],
         steps: &[u32],
         heard: &dyn Fn(&str),
-    ) {
+    ) -> Vec<Trial> {
+        let mut trials = Vec::new();
         for &n in meshes {
             // The truth is by the rules of the scene as written, with the element of the change.
             let judged = || -> Result<_, SetupError> {
@@ -130,54 +144,33 @@ impl<'a> Bench<'a> {
             let judged = judged().map_err(|error| error.to_string());
             let in_time = self.norm == Norm::VMax && meshes.len() > 1 && n == meshes[0];
             for &steps in steps {
-                let found = judged.as_ref().map_err(Clone::clone).and_then(|(setup, judge)| {
-                    let run = self.run(setup, judge, change, [n, steps], in_time);
+                let sizes = [self.setup.body.domain.h(n), self.setup.grid(steps).largest_step()];
+                let mut trial = Trial::new([n, steps], sizes);
+                let run = judged.as_ref().map_err(Clone::clone).and_then(|(setup, judge)| {
+                    let run = self.run(setup, judge, &mut trial, in_time);
                     run.map_err(|error| error.to_string())
                 });
-                let trial = found.unwrap_or_else(|reason| self.failed(change, [n, steps], reason));
+                trial.reason = run.err();
                 let came = match &trial.reason {
                     Some(reason) => format!("failed: {reason}"),
                     None => format!("error {:.4e} in {:.4} s", trial.error, trial.seconds),
                 };
                 heard(&format!("{} n={n} N={steps} {came}", change.words()));
-                self.trials.push(trial);
+                trials.push(trial);
             }
         }
+        trials
     }
 
-    fn failed(&self, change: &Change, [n, steps]: [u32; 2], reason: String) -> Trial {
-        Trial {
-            scene: self.setup.scene.name.clone(),
-            change: change.clone(),
-            n,
-            steps,
-            h: self.setup.body.domain.h(n),
-            k: self.setup.grid(steps).largest_step(),
-            dofs: 0,
-            norm: self.norm,
-            error: f64::NAN,
-            floor: f64::NAN,
-            seconds: f64::NAN,
-            load_share: f64::NAN,
-            history_bytes: 0,
-            newton_iterations: 0,
-            factorizations: 0,
-            front: false,
-            status: "failed",
-            reason: Some(reason),
-            in_time: None,
-        }
-    }
-
-    /// One run from nothing, and `in_time` its distance to one with more steps.
+    /// Makes a run from nothing, and `in_time` measures its distance to one with more steps.
     fn run(
         &mut self,
         setup: &Setup,
         judge: &MeshData,
-        change: &Change,
-        [n, steps]: [u32; 2],
+        trial: &mut Trial,
         in_time: bool,
-    ) -> Result<Trial, SetupError> {
+    ) -> Result<(), SetupError> {
+        let [n, steps] = trial.place();
         let (space, still) = (&judge.space, vec![0.0; judge.space.nodes.len()]);
         let finer = || -> Result<_, SetupError> {
             Ok(MeshData::new(setup, n, None)?.trajectory(setup, FINER * steps, steps)?)
@@ -196,20 +189,14 @@ impl<'a> Bench<'a> {
                 .map(|(most, finer)| larger(most, strain_distance(space, finer, view.u)));
             Ok(())
         })?;
-        Ok(Trial {
-            dofs: space.dofs(),
-            error,
-            floor: floor_in(&info.floors, self.norm),
-            seconds,
-            load_share: (info.seconds_load / seconds).clamp(0.0, 1.0),
-            history_bytes: info.peak_history_bytes,
-            newton_iterations: info.newton_iterations,
-            factorizations: info.work.linear.factorizations,
-            status: "converged",
-            reason: None,
-            in_time: of_time,
-            ..self.failed(change, [n, steps], String::new())
-        })
+        (trial.error, trial.in_time, trial.seconds) = (error, of_time, seconds);
+        trial.floor = floor_in(&info.floors, self.norm);
+        trial.load_share = (info.seconds_load / seconds).clamp(0.0, 1.0);
+        trial.dofs = space.dofs();
+        trial.history_bytes = info.peak_history_bytes;
+        trial.newton_iterations = info.newton_iterations;
+        trial.factorizations = info.work.linear.factorizations;
+        Ok(())
     }
 }
 

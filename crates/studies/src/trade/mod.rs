@@ -8,8 +8,6 @@ mod models;
 mod optimum;
 mod study;
 
-use self::models::ErrorModel;
-pub use models::Cost;
 pub use optimum::{Choice, NoAnswer, Wanted};
 pub use study::{Trade, front, measurable, trade};
 

@@ -1,8 +1,8 @@
 //! Error and cost of a scene as functions of both steps, from the runs of a trade.
 
 use judge::fit::{
-    Direction, ErrorCombination, Interval, Point, Sample, joint_fits, linear_fit, local_slopes,
-    order as infer_order, power_law, same_level, samples,
+    Direction, ErrorCombination, Interval, JointFits, Point, Sample, joint_fits, linear_fit,
+    local_slopes, order as infer_order, power_law, same_level, samples,
 };
 use nalgebra::{DMatrix, DVector};
 use serde::Serialize;
@@ -67,7 +67,14 @@ impl ErrorModel {
                 // Maxima over more times grow a little: no term falls that way.
                 Ok(fits) if fits.best.order_h.value <= 0.0 => Some(Direction::Space),
                 Ok(fits) if fits.best.order_k.value <= 0.0 => Some(Direction::Time),
-                Ok(fits) => return Ok(Self::joint(&fits.best, points)),
+                Ok(JointFits { best, .. }) => {
+                    let terms = [(best.constant_h, best.order_h), (best.constant_k, best.order_k)];
+                    let terms = terms.map(|(constant, order)| {
+                        Some(Term { constant, order: order.value, interval: order.interval })
+                    });
+                    let source = format!("joint fit, {}", best.model.name());
+                    return Ok(Self::new(points, best.model, terms, source));
+                }
                 Err(refused) => refused.hidden,
             }
         };
@@ -88,14 +95,6 @@ impl ErrorModel {
         let with = |model| Self::new(points, model, [space, time], source.clone());
         let [sum, root] = [ErrorCombination::Sum, ErrorCombination::RootSumSquare].map(with);
         Ok(if sum.residual < root.residual { sum } else { root })
-    }
-
-    fn joint(fit: &judge::fit::JointFit, points: &[Point]) -> Self {
-        let term = |constant: f64, order: judge::fit::FittedValue| {
-            Some(Term { constant, order: order.value, interval: order.interval })
-        };
-        let terms = [term(fit.constant_h, fit.order_h), term(fit.constant_k, fit.order_k)];
-        Self::new(points, fit.model, terms, format!("joint fit, {}", fit.model.name()))
     }
 
     fn new(
@@ -146,21 +145,12 @@ fn term(samples: &[Sample]) -> Result<Term, String> {
 // With d dimensions a mesh has h^-d cells, and a factorization by nested dissection takes h^-3(d-1) operations (George
 // 1973). A part comes once a run (mesh, analysis, a factor kept) or once a level (loads, assembly, solves, new factors).
 
-/// A measured run.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct CostSample {
-    pub h: f64,
-    pub k: f64,
-    /// CPU seconds.
-    pub seconds: f64,
-}
-
 /// Parts: a constant, cells and factorization, each once and each a level.
 const PARTS: usize = 5;
 
 /// t = Σ c_i f_i(h, k) with c_i ≥ 0.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
-pub struct Cost {
+pub(super) struct CostModel {
     /// Seconds a unit of each part: constant, a cell, a cell and level, an operation, an operation and level.
     pub parts: [f64; PARTS],
     /// Largest |log t - log t(h, k)| of the runs.
@@ -171,16 +161,28 @@ pub struct Cost {
     horizon: f64,
 }
 
-impl Cost {
+impl CostModel {
     /// Least squares of the relative error over all non-negative c: the best of all choices of parts whose least
-    /// squares have no negative coefficient (the minimum has such a support). None without a choice that fits.
-    pub(super) fn fit(samples: &[CostSample], dimension: usize, horizon: f64) -> Option<Self> {
+    /// squares have no negative coefficient (the minimum has such a support). `samples` have h, k and CPU seconds.
+    ///
+    /// # Errors
+    /// What is missing, in words.
+    pub(super) fn fit(
+        samples: &[[f64; 3]],
+        dimension: usize,
+        horizon: f64,
+    ) -> Result<Self, &'static str> {
+        if [0, 1].iter().any(|&i| samples.windows(2).all(|pair| pair[0][i] == pair[1][i])) {
+            return Err(
+                "the runs use a single mesh or a single number of steps, so their costs cannot be separated",
+            );
+        }
         let ones = DVector::from_element(samples.len(), 1.0);
         let mut best: Option<(f64, [f64; PARTS])> = None;
         for chosen in 1u32..1 << PARTS {
             let columns: Vec<usize> = (0..PARTS).filter(|i| chosen & (1 << i) != 0).collect();
             let mut design = DMatrix::from_fn(samples.len(), columns.len(), |row, column| {
-                let CostSample { h, k, seconds } = samples[row];
+                let [h, k, seconds] = samples[row];
                 features(dimension, horizon, h, k)[columns[column]] / seconds
             });
             // Columns of size one: a cell of the finest mesh is some 1e-6 of a run.
@@ -198,14 +200,15 @@ impl Cost {
             }
             best = Some((norm, parts));
         }
-        let mut found = Self { parts: best?.1, residual: 0.0, dimension, horizon };
-        let off = |s: &CostSample| (found.seconds(s.h, s.k) / s.seconds).ln().abs();
+        let (_, parts) = best.ok_or("no parts fit the times")?;
+        let mut found = Self { parts, residual: 0.0, dimension, horizon };
+        let off = |[h, k, seconds]: &[f64; 3]| (found.seconds(*h, *k) / seconds).ln().abs();
         found.residual = samples.iter().map(off).fold(0.0, f64::max);
-        Some(found)
+        Ok(found)
     }
 
     /// Seconds at (h, k).
-    pub fn seconds(&self, h: f64, k: f64) -> f64 {
+    pub(super) fn seconds(&self, h: f64, k: f64) -> f64 {
         let parts = features(self.dimension, self.horizon, h, k);
         parts.iter().zip(&self.parts).map(|(f, c)| f * c).sum()
     }
@@ -301,12 +304,12 @@ mod tests {
     mod cost {
         use super::super::*;
 
-        fn runs(cost: impl Fn(f64, f64) -> f64) -> Vec<CostSample> {
+        fn runs(cost: impl Fn(f64, f64) -> f64) -> Vec<[f64; 3]> {
             let mut found = Vec::new();
             for n in [8, 16, 32, 64] {
                 for steps in [4, 8, 16] {
                     let (h, k) = (1.0 / f64::from(n), 1.0 / f64::from(steps));
-                    found.push(CostSample { h, k, seconds: cost(h, k) });
+                    found.push([h, k, cost(h, k)]);
                 }
             }
             found
@@ -316,7 +319,7 @@ mod tests {
         fn parts_are_found_and_carry_beyond_the_runs() {
             let law =
                 |h: f64, k: f64| 1e-3 + 2e-6 * h.powi(-2) * (1.0 / k + 1.0) + 3e-8 * h.powi(-3);
-            let found = Cost::fit(&runs(law), 2, 1.0).expect("a cost");
+            let found = CostModel::fit(&runs(law), 2, 1.0).expect("a cost");
             // Columns of five parts on twelve runs: some digits of 16 are lost.
             for (fitted, part) in found.parts.iter().zip([1e-3, 0.0, 2e-6, 3e-8, 0.0]) {
                 assert!((fitted - part).abs() <= 1e-7 * part.max(1e-3), "{:?}", found.parts);
@@ -333,15 +336,15 @@ mod tests {
         #[test]
         fn noise_makes_no_negative_part() {
             let mut samples = runs(|h, k| 2e-6 * h.powi(-2) / k);
-            for (i, sample) in samples.iter_mut().enumerate() {
-                sample.seconds *= if i % 3 == 0 { 1.15 } else { 0.95 };
+            for (i, [_, _, seconds]) in samples.iter_mut().enumerate() {
+                *seconds *= if i % 3 == 0 { 1.15 } else { 0.95 };
             }
-            let found = Cost::fit(&samples, 2, 1.0).expect("a cost");
+            let found = CostModel::fit(&samples, 2, 1.0).expect("a cost");
             assert!(found.parts.iter().all(|part| *part >= 0.0));
             // An eighth of the step, a fourth of the width: 8 and 16 times the cost, within the noise and its growth.
             let ratio = found.seconds(1.0 / 256.0, 1.0 / 32.0) / (2e-6 * 65536.0 * 32.0);
             assert!((0.7..1.5).contains(&ratio), "{ratio}");
-            assert!(Cost::fit(&[], 2, 1.0).is_none());
+            assert!(CostModel::fit(&[], 2, 1.0).is_err());
         }
     }
 }

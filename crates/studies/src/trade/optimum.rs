@@ -8,7 +8,7 @@
 use std::cell::RefCell;
 use std::collections::HashMap;
 
-use super::ErrorModel;
+use super::models::ErrorModel;
 use files::megabytes;
 use judge::fit::FLOORS_ABOVE;
 use run::sweep::{MemoryLimit, NORMS, TooLarge, admit_run, run_cost, scene_reference};

@@ -1,18 +1,16 @@
 //! The trade of a scene: it is run on one grid as written and with each change that it offers, and what the runs say is a
 //! function of them alone: models of error and cost, the cheapest run with an error, what each change buys.
 
+use super::SPAN;
 use super::bench::{Bench, Trial, changes, element_meshes, trade_grid};
-use super::models::CostSample;
+use super::models::{CostModel, ErrorModel};
 use super::optimum::{Choice, Choices, Law, NoAnswer, Wanted, coupling};
-use super::{Cost, ErrorModel, SPAN};
 use crate::study::StudyError;
 use judge::claim::{Claim, Place, Statement};
 use judge::fit::{FLOORS_ABOVE, Point, Sample};
 use judge::record::norm_label;
 use report::{Axis, Chapter, Chart, Datum, Findings, Mark, Part, Scale, Series, digits};
-use run::sweep::{
-    CasePlan, Cost as CaseCost, MemoryLimit, Overrides, ScenePlan, admit_constants, admit_plan,
-};
+use run::sweep::{CasePlan, Cost, MemoryLimit, Overrides, ScenePlan, admit_constants, admit_plan};
 use scene::setup::{Setup, SetupError, Subject, check_step_sizes};
 use scene::{Change, Extension, Scene};
 use serde::Serialize;
@@ -64,102 +62,83 @@ pub fn trade(
     let changes = changes(setup);
     let [n, steps] =
         trade_grid(setup, &asked.n, &asked.steps, asked.budget / changes.len() as f64)?;
-    let admitted = admit_trade(&setup.scene, &n, &steps, limit)?;
-    check_step_sizes(&admitted.subject, &steps)?;
     let mut bench = Bench::new(setup, wanted.norm)?;
-    let mut models = Vec::new();
+    let mut settings: Vec<Setting> = Vec::new();
     for change in changes {
-        let Some(meshes) = meshes(setup, &change, [&n, &steps], limit, heard)? else { continue };
-        bench.runs(&change, &meshes, &steps, heard);
-        if !bench.trials.iter().any(Trial::converged) {
-            let first = bench.trials.first().and_then(|trial| trial.reason.as_deref());
+        let meshes = match admitted(setup, &change, [&n, &steps], limit) {
+            Ok(meshes) => meshes,
+            Err(refused) if settings.is_empty() => return Err(refused),
+            Err(refused) => {
+                heard(&format!("{} left out: {refused}", change.words()));
+                continue;
+            }
+        };
+        let trials = bench.runs(&change, &meshes, &steps, heard);
+        if settings.is_empty() && !trials.iter().any(Trial::converged) {
+            let first = trials.first().and_then(|trial| trial.reason.as_deref());
             return Err(StudyError::at("every run failed; the first", first.unwrap_or_default()));
         }
-        models.push(Models::of(change, &bench.trials, setup));
+        settings.push(Setting::of(change, trials, setup));
     }
-    let (mut candidates, mut refused) = (Vec::new(), None);
-    if let Some(target) = wanted.error(bench.size) {
-        let floors = of(&models[0].change, &bench.trials).map(|trial| trial.floor);
-        refused = NoAnswer::admit(target, floors.fold(0.0, f64::max)).err();
-        let mut none = None;
-        for of_change in models.iter().filter(|_| refused.is_none()) {
-            match of_change.cheapest(setup, target, limit) {
-                Ok(found) => candidates.push(found),
-                Err(why) => none = none.or(Some(why)),
-            }
-        }
-        refused = refused.or(none.filter(|_| candidates.is_empty()));
-    }
+    let target = wanted.error(bench.size);
+    let candidates = target.map(|target| candidates(&settings, setup, target, limit));
+    let (candidates, refused) = match candidates.transpose() {
+        Ok(found) => (found.unwrap_or_default(), None),
+        Err(none) => (Vec::new(), Some(none)),
+    };
     // Single runs do not tell whether another setting saves less than a fifth.
-    let dear = |found: &Candidate| match found.change == models[0].change {
+    let dear = |found: &Candidate| match found.change == settings[0].change {
         true => (1.0 - SAVES) * found.choice.seconds,
         false => found.choice.seconds,
     };
     let answer = candidates.iter().min_by(|a, b| dear(a).total_cmp(&dear(b)));
     let confirmed = match answer.filter(|_| asked.confirm) {
-        Some(Candidate { change, choice }) => {
-            let changed = change.of(&setup.scene).map_err(SetupError::from)?;
-            admit_trade(&changed, &[choice.n], &[choice.steps], limit)?;
-            bench.runs(change, &[choice.n], &[choice.steps], heard);
-            bench.trials.pop()
+        Some(Candidate { change, choice: Choice { n, steps, .. } }) => {
+            admit_trade(change.of(&setup.scene)?, [&[*n], &[*steps]], limit)?;
+            bench.runs(change, &[*n], &[*steps], heard).pop()
         }
         None => None,
     };
-    Ok((found(&bench, &models, &candidates, answer, confirmed), refused))
+    Ok((found(&bench, &settings, &candidates, answer, confirmed), refused))
+}
+
+/// The meshes of a change: those of the scene, or with about as many nodes of another element; or why its errors cannot be
+/// measured.
+fn admitted(
+    setup: &Setup,
+    change: &Change,
+    [n, steps]: [&[u32]; 2],
+    limit: &MemoryLimit,
+) -> Result<Vec<u32>, StudyError> {
+    let (changed, own) = (change.of(&setup.scene)?, setup.body.element);
+    let element = changed.as_contact().map_or(own, |body| body.element);
+    if element.degree() > own.degree() && setup.exact.is_none() {
+        let why = "the reference run has a lower degree, so it cannot serve as the truth";
+        return Err(StudyError::other(why));
+    }
+    let meshes = match element == own {
+        true => n.to_vec(),
+        false => element_meshes(&setup.scene, n, element),
+    };
+    admit_trade(changed, [&meshes, steps], limit)?;
+    Ok(meshes)
 }
 
 /// Refuses runs of a scene that would take more memory than there may be: beside a run a bench holds the truth on its mesh
 /// and the displacements of a run.
 fn admit_trade(
-    scene: &Scene,
-    n: &[u32],
-    steps: &[u32],
-    limit: &MemoryLimit,
-) -> Result<ScenePlan, StudyError> {
-    admit_constants(scene, false, limit)?;
-    let overrides = Overrides { n: Some(n.to_vec()), steps: Some(steps.to_vec()) };
-    let plan = ScenePlan::new(Subject::new(scene.clone())?, &overrides);
-    let displacements = |(case, cost): &(&CasePlan, &CaseCost)| {
-        8.0 * cost.dofs as f64 * (f64::from(case.steps) + 1.0)
-    };
-    admit_plan(&plan, 1, limit, |cases| cases.iter().map(displacements).sum())?;
-    Ok(plan)
-}
-
-/// The meshes of a change: those of the scene, or with about as many nodes of another element. None if errors cannot be
-/// measured or memory does not hold them, which is said.
-fn meshes(
-    setup: &Setup,
-    change: &Change,
+    scene: Scene,
     [n, steps]: [&[u32]; 2],
     limit: &MemoryLimit,
-    heard: &dyn Fn(&str),
-) -> Result<Option<Vec<u32>>, SetupError> {
-    let changed = change.of(&setup.scene)?;
-    let own = setup.body.element;
-    let element = changed.as_contact().map_or(own, |body| body.element);
-    let meshes = match element == own {
-        true => n.to_vec(),
-        false => element_meshes(&setup.scene, n, element),
-    };
-    let lower = element.degree() > own.degree() && setup.exact.is_none();
-    let why = match admit_trade(&changed, &meshes, steps, limit) {
-        _ if lower => {
-            "the reference run has a lower degree, so it cannot serve as the truth".into()
-        }
-        Ok(_) => return Ok(Some(meshes)),
-        Err(refused) => refused.to_string(),
-    };
-    heard(&format!("{} left out: {why}", change.words()));
-    Ok(None)
-}
-
-fn of<'a>(change: &'a Change, trials: &'a [Trial]) -> impl Iterator<Item = &'a Trial> {
-    trials.iter().filter(move |trial| trial.change == *change)
-}
-
-fn at<'a>(change: &Change, trials: &'a [Trial], place: [u32; 2]) -> Option<&'a Trial> {
-    trials.iter().find(|trial| trial.change == *change && trial.place() == place)
+) -> Result<(), StudyError> {
+    admit_constants(&scene, false, limit)?;
+    let overrides = Overrides { n: Some(n.to_vec()), steps: Some(steps.to_vec()) };
+    let plan = ScenePlan::new(Subject::new(scene)?, &overrides);
+    let displacements =
+        |(case, cost): &(&CasePlan, &Cost)| 8.0 * cost.dofs as f64 * (f64::from(case.steps) + 1.0);
+    admit_plan(&plan, 1, limit, |cases| cases.iter().map(displacements).sum())?;
+    check_step_sizes(&plan.subject, steps)?;
+    Ok(())
 }
 
 /// Errors that differ by a smaller part are one: a setting that buys the sixth digit buys nothing.
@@ -184,39 +163,25 @@ pub fn front(points: &[Datum], tie: f64) -> Vec<usize> {
     order
 }
 
-/// Models of error and cost of the runs with a change, or why there are none.
-#[derive(Debug, Clone)]
-struct Models {
+/// The runs with a change, from few cells and steps to many, and models of their error and cost, or why there are none.
+struct Setting {
     change: Change,
+    trials: Vec<Trial>,
     error: Result<ErrorModel, String>,
-    cost: Result<Cost, String>,
-    /// The least and the largest n and N that they rest on.
-    range: [[u32; 2]; 2],
+    cost: Result<CostModel, &'static str>,
 }
 
-impl Models {
-    fn of(change: Change, trials: &[Trial], setup: &Setup) -> Self {
-        let done: Vec<&Trial> = of(&change, trials).filter(|trial| trial.converged()).collect();
-        let points =
-            done.iter().map(|&&Trial { h, k, error, floor, .. }| Point { h, k, error, floor });
-        let samples = done.iter().map(|&&Trial { h, k, seconds, .. }| CostSample { h, k, seconds });
-        let in_time =
-            done.iter().filter_map(|trial| Some(Sample { step: trial.k, error: trial.in_time? }));
-        let bound = |pick: fn(u32, u32) -> u32| {
-            let places = of(&change, trials).map(Trial::place);
-            places.reduce(|a, b| [pick(a[0], b[0]), pick(a[1], b[1])]).unwrap_or_default()
-        };
-        let [least, most] = [bound(u32::min), bound(u32::max)];
-        let one = [0, 1].iter().any(|&i| done.iter().all(|trial| trial.place()[i] == most[i]));
-        let (dimension, horizon) = (setup.scene.dimension, setup.scene.time.horizon);
-        let cost = match one {
-            true => Err("the runs use a single mesh or a single number of steps, so their costs cannot be separated".to_owned()),
-            false => Cost::fit(&samples.collect::<Vec<_>>(), dimension, horizon).ok_or_else(|| "no parts fit the times".into()),
-        };
-        let in_time: Vec<Sample> = in_time.collect();
-        let on_mesh = setup.body.data.is_interpolated();
-        let error = ErrorModel::fit(&points.collect::<Vec<_>>(), &in_time, on_mesh);
-        Self { change, error, cost, range: [least, most] }
+impl Setting {
+    fn of(change: Change, trials: Vec<Trial>, setup: &Setup) -> Self {
+        let done = || trials.iter().filter(|trial| trial.converged());
+        let point = |&Trial { h, k, error, floor, .. }: &Trial| Point { h, k, error, floor };
+        let in_time = |trial: &Trial| Some(Sample { step: trial.k, error: trial.in_time? });
+        let points: Vec<Point> = done().map(point).collect();
+        let in_time: Vec<Sample> = done().filter_map(in_time).collect();
+        let times: Vec<_> = done().map(|trial| [trial.h, trial.k, trial.seconds]).collect();
+        let error = ErrorModel::fit(&points, &in_time, setup.body.data.is_interpolated());
+        let cost = CostModel::fit(&times, setup.scene.dimension, setup.scene.time.horizon);
+        Self { change, trials, error, cost }
     }
 
     /// The cheapest run whose predicted error is the target or less.
@@ -226,25 +191,26 @@ impl Models {
         target: f64,
         limit: &MemoryLimit,
     ) -> Result<Candidate, NoAnswer> {
-        let missing = |what, reason: &String| {
-            NoAnswer::Refused(format!("the {what} have no model: {reason}"))
-        };
+        let missing =
+            |what, reason: &str| NoAnswer::Refused(format!("the {what} have no model: {reason}"));
         let error = self.error.as_ref().map_err(|reason| missing("errors", reason))?;
         let cost = self.cost.as_ref().map_err(|reason| missing("times", reason))?;
+        let [least, most] = [self.trials.first(), self.trials.last()]
+            .map(|trial| trial.map(Trial::place).unwrap_or_default());
         let changed = Setup::new(self.change.of(&setup.scene).map_err(SetupError::from)?)?;
         let choices = Choices::new(&changed, true)?;
         let law = Law {
             error: Box::new(|h, k| error.error(h, k)),
             seconds: Box::new(|h, k| cost.seconds(h, k)),
-            range: [self.range[0], choices.most()],
-            made: SPAN * self.range[1][0],
+            range: [least, choices.most()],
+            made: SPAN * most[0],
         };
         let choice = choices.cheapest(&law, target, limit)?;
         Ok(Candidate { change: self.change.clone(), choice })
     }
 
     fn json(&self) -> Value {
-        fn or_reason(found: &Result<impl Serialize, String>) -> Value {
+        fn or_reason(found: &Result<impl Serialize, impl Serialize>) -> Value {
             found.as_ref().map_or_else(|reason| json!({ "reason": reason }), |model| json!(model))
         }
         json!({
@@ -263,66 +229,88 @@ struct Candidate {
     choice: Choice,
 }
 
+/// The cheapest run with each change; the first refusal if there is none at all.
+fn candidates(
+    settings: &[Setting],
+    setup: &Setup,
+    target: f64,
+    limit: &MemoryLimit,
+) -> Result<Vec<Candidate>, NoAnswer> {
+    let floors = settings[0].trials.iter().map(|trial| trial.floor);
+    NoAnswer::admit(target, floors.fold(0.0, f64::max))?;
+    let all: Vec<_> = settings.iter().map(|one| one.cheapest(setup, target, limit)).collect();
+    match all.iter().any(Result::is_ok) {
+        true => Ok(all.into_iter().flatten().collect()),
+        false => all.into_iter().collect(),
+    }
+}
+
 /// Another setting or element is the answer where it saves this part of the time at least.
 const SAVES: f64 = 0.2;
 
 /// What a change does to time and error in the largest run that was made with and without it.
-fn price(change: &Change, trials: &[Trial]) -> Option<Value> {
+fn price(written: &[Trial], change: &Change, trials: &[Trial]) -> Option<Value> {
     let both = |plain: &Trial| {
-        let other = at(change, trials, plain.place())?;
+        let other = trials.iter().find(|trial| trial.place() == plain.place())?;
         let speed = plain.seconds / other.seconds;
         let error = other.error / plain.error - 1.0;
-        let [n, steps] = plain.place();
+        let Trial { n, steps, .. } = plain;
         let price =
             json!({ "what": change, "n": n, "steps": steps, "speed": speed, "error": error });
         speed.is_finite().then_some(price)
     };
-    of(&Change::none(), trials).filter_map(both).last()
+    written.iter().rev().find_map(both)
 }
 
 /// By what part of itself a predicted error may be off.
 const OFF: f64 = 0.25;
 
+/// All runs with their changes.
+fn all(settings: &[Setting]) -> impl Iterator<Item = (&Change, &Trial)> {
+    settings
+        .iter()
+        .flat_map(|Setting { change, trials, .. }| trials.iter().map(move |trial| (change, trial)))
+}
+
 /// What can be false in a trade. Nothing is claimed of seconds, which are those of a clock.
-fn claims(trials: &[Trial], written: &Models, answer: Option<(&Trial, f64)>) -> Vec<Claim> {
-    let place = |trial: &Trial| {
-        let at = trial.change.words().to_owned();
-        Place { n: Some(trial.n), steps: Some(trial.steps), level: None, at }
+fn claims(settings: &[Setting], answer: Option<(&Candidate, &Trial)>) -> Vec<Claim> {
+    let claim = |says: [&'static str; 2], (change, trial): (&Change, &Trial), sides, accuracy| {
+        let statement = Statement { source: says[0], says: says[1] };
+        let (at, level) = (change.words().to_owned(), None);
+        let place = Place { n: Some(trial.n), steps: Some(trial.steps), level, at };
+        let note = trial.reason.clone().unwrap_or_default();
+        Claim { note, ..Claim::at_most(statement, place, sides, accuracy) }
     };
-    let note = |trial: &Trial, claim: Claim| Claim {
-        note: trial.reason.clone().unwrap_or_default(),
-        ..claim
-    };
-    let statement =
-        Statement { source: "error", says: "20 floors of solver and rounding <= error" };
-    let measured = trials.iter().map(|trial| {
-        let sides = [FLOORS_ABOVE * trial.floor, trial.error];
-        note(trial, Claim::at_most(statement, place(trial), sides, 0.0))
+    let measured = all(settings).map(|run| {
+        let sides = [FLOORS_ABOVE * run.1.floor, run.1.error];
+        claim(["error", "20 floors of solver and rounding <= error"], run, sides, 0.0)
     });
-    let statement = Statement { source: "error model", says: "|predicted/error - 1| <= 1/4" };
+    let written = &settings[0];
     let fitted = written.error.iter().flat_map(|model| {
-        let off = move |of: &Trial| (model.error(of.h, of.k) / of.error - 1.0).abs();
-        let runs = trials.iter().filter(|trial| trial.change == written.change);
-        let runs = runs.filter(|trial| trial.converged());
-        runs.map(move |trial| Claim::at_most(statement, place(trial), [off(trial), OFF], 0.0))
+        let runs = written.trials.iter().filter(|trial| trial.converged());
+        runs.map(move |trial| {
+            let off = (model.error(trial.h, trial.k) / trial.error - 1.0).abs();
+            let says = ["error model", "|predicted/error - 1| <= 1/4"];
+            claim(says, (&written.change, trial), [off, OFF], 0.0)
+        })
     });
-    let statement = Statement { source: "target", says: "error of the answer <= target" };
-    let held = answer.map(|(trial, target)| {
-        note(trial, Claim::at_most(statement, place(trial), [trial.error, target], OFF * target))
+    let held = answer.map(|(Candidate { change, choice }, trial)| {
+        let (says, target) = (["target", "error of the answer <= target"], choice.target);
+        claim(says, (change, trial), [trial.error, target], OFF * target)
     });
     measured.chain(fitted).chain(held).collect()
 }
 
 fn found(
     bench: &Bench<'_>,
-    models: &[Models],
+    settings: &[Setting],
     candidates: &[Candidate],
     answer: Option<&Candidate>,
     confirmed: Option<Trial>,
 ) -> Findings {
-    let (scene, written, norm) = (&bench.setup.scene, &models[0], bench.norm);
+    let (scene, written, norm) = (&bench.setup.scene, &settings[0], bench.norm);
     let target = answer.map_or(f64::NAN, |answer| answer.choice.target);
-    let claims = claims(&bench.trials, written, confirmed.as_ref().map(|real| (real, target)));
+    let claims = claims(settings, answer.zip(confirmed.as_ref()));
     let title = (Chapter::Trade, format!("Cost and error: {}", scene.name));
     let mut findings = Findings::new(title, Some([&scene.name, &scene.source.hash]), claims);
     let document = &mut findings.document;
@@ -338,9 +326,9 @@ fn found(
         norm.name(),
         digits(bench.size, 5)
     ));
-    let finest = of(&written.change, &bench.trials).filter(|trial| trial.converged());
+    let done = written.trials.iter().filter(|trial| trial.converged());
     let finest =
-        finest.map(|trial| [trial.h, trial.k]).reduce(|a, b| [a[0].min(b[0]), a[1].min(b[1])]);
+        done.map(|trial| [trial.h, trial.k]).reduce(|a, b| [a[0].min(b[0]), a[1].min(b[1])]);
     let exponents =
         written.cost.as_ref().ok().zip(finest).map(|(cost, [h, k])| cost.exponents(h, k));
     let path = written.error.as_ref().ok().zip(exponents).and_then(|(e, ab)| coupling(e, ab));
@@ -353,7 +341,7 @@ fn found(
             path.cost_exponent
         ));
     }
-    let of_changes: Value = models.iter().map(Models::json).collect();
+    let of_changes: Value = settings.iter().map(Setting::json).collect();
     document.rows(
         "Error: C_h h^p and C_k k^q, and by what factor a run differs at most (its logarithm).",
         &of_changes,
@@ -376,12 +364,16 @@ fn found(
         "The cheapest runs that reach the target error.",
         "with = change; >n = n; >N = steps; >predicted error = error 4; >CPU s = cpu_seconds 3; >bytes = bytes 3",
     );
-    let points: Vec<Datum> =
-        bench.trials.iter().map(|trial| (trial.seconds, trial.error)).collect();
+    let points: Vec<Datum> = all(settings).map(|(_, trial)| datum(trial)).collect();
     let best = front(&points, TIE);
-    let mut trials = bench.trials.clone();
-    best.iter().for_each(|&i| trials[i].front = true);
-    let trials = json!(trials);
+    let row = |(i, (change, trial)): (usize, (&Change, &Trial))| {
+        let mut row = json!(trial);
+        (row["scene"], row["change"]) = (json!(scene.name), json!(change));
+        (row["norm"], row["front"]) = (json!(norm), json!(best.contains(&i)));
+        row["status"] = json!(if trial.converged() { "converged" } else { "failed" });
+        row
+    };
+    let trials: Value = all(settings).enumerate().map(row).collect();
     let keys = "scene,change,n,steps,h,k,dofs,norm,error,floor,cpu_seconds,load_share,history_bytes,newton_iterations,factorizations,front,status,reason";
     findings.tables.push((".csv", keys, trials.clone()));
     findings.table(
@@ -390,7 +382,8 @@ fn found(
         "Error, CPU seconds of one run on this machine, the part of the loads; front: no run here is both faster and better, errors within 1 % being one.",
         "setting = change; >n = n; >N = steps; >error = error; >CPU s = cpu_seconds 3; >in loads = load_share 2; front = front",
     );
-    let prices = models[1..].iter().filter_map(|one| price(&one.change, &bench.trials));
+    let prices = settings[1..].iter();
+    let prices = prices.filter_map(|one| price(&written.trials, &one.change, &one.trials));
     findings.table(
         "prices",
         prices.collect::<Vec<_>>(),
@@ -398,7 +391,7 @@ fn found(
         "what is changed = what; >n = n; >N = steps; >times faster = speed 3; >error, its part = error 2",
     );
     let caption = "Error against CPU seconds, with the Pareto front (sweep trade).";
-    findings.document.figure("trade", caption, picture(bench, models, &best, target));
+    findings.document.figure("trade", caption, picture(bench, settings, &best, target));
     findings
         .numbers(json!({ "norm": norm, "size": bench.size, "coupling": path, "answer": answer }));
     if let Some((Candidate { choice, .. }, real)) = answer.zip(confirmed) {
@@ -411,22 +404,26 @@ fn found(
     findings
 }
 
+fn datum(trial: &Trial) -> Datum {
+    (trial.seconds, trial.error)
+}
+
 /// Error against CPU time, a marker per run, with the Pareto front and the target; none without two runs.
-fn picture(bench: &Bench<'_>, models: &[Models], best: &[usize], target: f64) -> Option<String> {
+fn picture(bench: &Bench<'_>, settings: &[Setting], best: &[usize], target: f64) -> Option<String> {
     let mut chart = Chart::new(
         &format!("{}: speed against accuracy", bench.setup.scene.name),
         "The error reached in a given CPU time (one thread of this machine: mesh, loads and march), in runs from few cells and steps to many.",
         Axis::new("CPU time in seconds", Scale::Log),
         Axis::new(format!("error {}", norm_label(bench.norm.name())), Scale::Log),
     );
-    let datum = |trial: &Trial| -> Datum { (trial.seconds, trial.error) };
-    for Models { change, .. } in models {
-        let data: Vec<Datum> = of(change, &bench.trials).map(datum).collect();
+    for Setting { change, trials, .. } in settings {
+        let data = trials.iter().map(datum).collect();
         chart.series.push(Series::new(change.words(), vec![Part::Points(data)]));
     }
+    let trials: Vec<&Trial> = all(settings).map(|(_, trial)| trial).collect();
     let label = |&i: &usize| {
-        let trial = &bench.trials[i];
-        (datum(trial), format!("n = {}, N = {}", trial.n, trial.steps))
+        let Trial { n, steps, .. } = trials[i];
+        (datum(trials[i]), format!("n = {n}, N = {steps}"))
     };
     chart.labels = best.iter().map(label).collect();
     let front = Part::Dashed(chart.labels.iter().map(|(place, _)| *place).collect());
@@ -440,48 +437,22 @@ fn picture(bench: &Bench<'_>, models: &[Models], best: &[usize], target: f64) ->
 #[cfg(test)]
 mod tests {
     use super::*;
-    use scene::Norm;
 
-    fn row(change: &str, [n, steps]: [u32; 2], error: f64, seconds: f64) -> Trial {
-        Trial {
-            scene: "scene".into(),
-            change: Change::new(change, Ok),
-            n,
-            steps,
-            h: 1.0 / f64::from(n),
-            k: 1.0 / f64::from(steps),
-            dofs: 0,
-            norm: Norm::VMax,
-            error,
-            floor: 0.0,
-            seconds,
-            load_share: 0.5,
-            history_bytes: 0,
-            newton_iterations: 0,
-            factorizations: 0,
-            front: false,
-            status: "converged",
-            reason: None,
-            in_time: None,
-        }
+    fn run(place: [u32; 2], error: f64, seconds: f64) -> Trial {
+        let sizes = place.map(|count| 1.0 / f64::from(count));
+        Trial { error, seconds, ..Trial::new(place, sizes) }
     }
 
     #[test]
     fn a_price_says_what_is_bought_and_paid() {
-        let written = |place| row("as written", place, 0.5, 3.1);
-        let other = row("strong loads", [64, 16], 0.25, 6.2);
+        let written = [[32, 16], [64, 16], [64, 32]].map(|place| run(place, 0.5, 3.1));
+        let change = Change::new("strong loads", Ok);
         // The largest run has no price where it fails with the change.
-        let trials = [
-            written([32, 16]),
-            written([64, 16]),
-            written([64, 32]),
-            other.clone(),
-            row("strong loads", [64, 32], f64::NAN, f64::NAN),
-        ];
-        let found = price(&other.change, &trials).expect("a price");
+        let trials = [run([64, 16], 0.25, 6.2), run([64, 32], f64::NAN, f64::NAN)];
+        let found = price(&written, &change, &trials).expect("a price");
         assert_eq!((&found["n"], &found["steps"]), (&64.into(), &16.into()));
         assert_eq!((&found["speed"], &found["error"]), (&0.5.into(), &(-0.5).into()));
-        assert!(price(&Change::new("contact exact", Ok), &trials).is_none());
+        assert!(price(&written, &change, &[]).is_none());
     }
 
     #[test]
