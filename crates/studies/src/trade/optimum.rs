@@ -163,7 +163,7 @@ pub enum NoAnswer {
         "an error of {target:.3e} is out of reach: the least on n <= {n}, N <= {steps} is {least:.3e}{way_out}"
     )]
     OutOfReach { target: f64, n: u32, steps: u32, least: f64, way_out: &'static str },
-    /// The cheapest choice does not fit into memory, nor any other that has the error.
+    /// The cheapest choice does not fit into memory.
     #[error("an error of {target:.3e} asks for n = {n}, N = {steps}: {source}")]
     Memory { target: f64, n: u32, steps: u32, source: TooLarge },
 }
@@ -175,13 +175,10 @@ impl From<SetupError> for NoAnswer {
 }
 
 impl NoAnswer {
-    /// Refuses a target that is no size of an error, or that solver and rounding hide.
+    /// Refuses a target that solver and rounding hide.
     pub(super) fn admit(target: f64, floor: f64) -> Result<(), Self> {
-        match target {
-            none if none.is_nan() || none <= 0.0 => Err(Self::NotPositive { target }),
-            hidden if hidden <= FLOORS_ABOVE * floor => Err(Self::BelowFloor { target, floor }),
-            _ => Ok(()),
-        }
+        let seen = target > FLOORS_ABOVE * floor;
+        if seen { Ok(()) } else { Err(Self::BelowFloor { target, floor }) }
     }
 }
 
@@ -191,8 +188,9 @@ pub(super) struct Choices<'a> {
     subject: Subject,
     /// Errors are to be measured against the scene's reference run, whose n and N these must divide.
     measured: bool,
-    /// What was found for numbers of steps: k, and whether they suit.
-    known: RefCell<HashMap<u32, (f64, Option<bool>)>>,
+    /// What was found by N: the largest step, and whether it suits.
+    steps: RefCell<HashMap<u32, f64>>,
+    suits: RefCell<HashMap<u32, bool>>,
 }
 
 impl<'a> Choices<'a> {
@@ -200,7 +198,8 @@ impl<'a> Choices<'a> {
     /// The scene cannot be set up.
     pub(super) fn new(setup: &'a Setup, measured: bool) -> Result<Self, SetupError> {
         let subject = Subject::new(setup.scene.clone())?;
-        Ok(Self { setup, subject, measured, known: RefCell::default() })
+        let (steps, suits) = Default::default();
+        Ok(Self { setup, subject, measured, steps, suits })
     }
 
     /// The finest n and N whose errors show: half of those of the reference run, which has no error against itself.
@@ -216,7 +215,7 @@ impl<'a> Choices<'a> {
     /// The largest time step; 0 for numbers of steps without a grid, which do not suit.
     pub(super) fn k(&self, steps: u32) -> f64 {
         let made = || self.setup.scene.time.grid(steps).map_or(0.0, |grid| grid.largest_step());
-        self.known.borrow_mut().entry(steps).or_insert_with(|| (made(), None)).0
+        *self.steps.borrow_mut().entry(steps).or_insert_with(made)
     }
 
     /// Whether n suits the domain, and the reference run.
@@ -229,19 +228,16 @@ impl<'a> Choices<'a> {
 
     /// Whether N suits (3.4), and the reference run.
     pub(super) fn has_steps(&self, steps: u32) -> bool {
-        let k = self.k(steps);
-        if let Some((_, Some(suits))) = self.known.borrow().get(&steps) {
-            return *suits;
-        }
-        let divides = !self.measured || self.setup.scene.check_cases(&[], &[steps]).is_ok();
-        let suits = divides && check_step_sizes(&self.subject, &[steps]).is_ok();
-        self.known.borrow_mut().insert(steps, (k, Some(suits)));
-        suits
+        let suits = || {
+            let divides = !self.measured || self.setup.scene.check_cases(&[], &[steps]).is_ok();
+            divides && check_step_sizes(&self.subject, &[steps]).is_ok()
+        };
+        *self.suits.borrow_mut().entry(steps).or_insert_with(suits)
     }
 
-    /// The cheapest run of a law with at most `target` of error, on meshes up to n = `most`.
-    fn by(&self, law: &Law<'_>, target: f64, most: u32) -> Option<Choice> {
-        let [least, [_, most_steps]] = law.range;
+    /// The cheapest run of a law with at most `target` of error.
+    fn by(&self, law: &Law<'_>, target: f64) -> Option<Choice> {
+        let [least, [most, most_steps]] = law.range;
         let mut best: Option<Choice> = None;
         for n in (least[0]..=most).filter(|&n| self.has_cells(n)) {
             let h = self.h(n);
@@ -270,7 +266,7 @@ impl<'a> Choices<'a> {
         best
     }
 
-    /// The cheapest run of a law with at most `target` of error that fits into memory.
+    /// The cheapest run of a law with at most `target` of error, if it fits into memory.
     ///
     /// # Errors
     /// [`NoAnswer`].
@@ -280,34 +276,15 @@ impl<'a> Choices<'a> {
         target: f64,
         limit: &MemoryLimit,
     ) -> Result<Choice, NoAnswer> {
-        let [least, [mut most, steps]] = law.range;
-        let mut refused = None;
-        while let Some(choice) = self.by(law, target, most) {
-            let source = match self.bytes(law.made, choice, limit)? {
-                Ok(bytes) => return Ok(Choice { bytes, ..choice }),
-                Err(source) => source,
-            };
-            // Bytes grow at least like cells. What was refused by a coarse mesh was the finest that is made.
-            let n = if source.at_least { choice.n.min(law.made) } else { choice.n };
-            let part = (source.limit / source.bytes).powf(1.0 / self.setup.scene.dimension as f64);
-            most = ((f64::from(n) * part) as u32).min(n - 1);
-            refused.get_or_insert(NoAnswer::Memory {
-                target,
-                n: choice.n,
-                steps: choice.steps,
-                source,
-            });
-            if most < least[0] {
-                break;
-            }
-        }
-        Err(refused.unwrap_or_else(|| NoAnswer::OutOfReach {
-            target,
-            n: most,
-            steps,
-            least: (law.error)(self.h(most), self.k(steps)),
-            way_out: if self.measured { "" } else { "; start from a finer run" },
-        }))
+        let Some(choice) = self.by(law, target) else {
+            let [_, [n, steps]] = law.range;
+            let least = (law.error)(self.h(n), self.k(steps));
+            let way_out = if self.measured { "" } else { "; start from a finer run" };
+            return Err(NoAnswer::OutOfReach { target, n, steps, least, way_out });
+        };
+        let Choice { n, steps, .. } = choice;
+        let refused = |source| NoAnswer::Memory { target, n, steps, source };
+        Ok(Choice { bytes: self.bytes(law.made, choice, limit)?.map_err(refused)?, ..choice })
     }
 
     /// The memory of a choice, or that it is too much. A mesh up to `made` is made for that, unless a coarse one shows
@@ -414,7 +391,7 @@ mod tests {
                 range: [[4, 2], [128, 64]],
                 made: 8,
             };
-            let found = choices.by(&law, target, 128).expect("an answer");
+            let found = choices.by(&law, target).expect("an answer");
             let mut least = f64::INFINITY;
             for n in (4..=128).filter(|&n| setup.scene.check_cases(&[n], &[]).is_ok()) {
                 for steps in (2..=64).filter(|&m| setup.scene.check_cases(&[], &[m]).is_ok()) {
@@ -436,9 +413,9 @@ mod tests {
             let refused = choices.cheapest(&law, target, &MemoryLimit::of_bytes(1e6));
             assert!(matches!(refused, Err(NoAnswer::Memory { .. })), "{refused:?}");
         }
-        for target in [0.0, -1.0, f64::NAN] {
-            assert!(matches!(NoAnswer::admit(target, 0.0), Err(NoAnswer::NotPositive { .. })));
+        for (target, floor) in [(1.9e-11, 1e-12), (0.0, 0.0), (-1.0, 0.0), (f64::NAN, 0.0)] {
+            let refused = NoAnswer::admit(target, floor);
+            assert!(matches!(refused, Err(NoAnswer::BelowFloor { .. })), "{target}");
         }
-        assert!(matches!(NoAnswer::admit(1.9e-11, 1e-12), Err(NoAnswer::BelowFloor { .. })));
     }
 }
