@@ -325,7 +325,7 @@ fn compare(setup: &Setup, along: Direction, [n, steps]: [u32; 2]) -> Result<Run,
     let error = error.map_err(StudyError::other)?;
     let differences = found.norms.iter().find(|differences| differences.norm == Norm::VMax);
     let estimate = differences.map(|differences| norm_estimate(setup, &found, differences));
-    let in_time = estimate.as_ref().and_then(|estimate| estimate.time.at(1.0));
+    let in_time = estimate.as_ref().and_then(|estimate| estimate.time.as_ref().ok()?.at(1.0));
     let total = |estimate: &crate::trade::estimate::Estimate| {
         estimate.total().ok_or_else(|| estimate.reasons().join("; "))
     };

@@ -109,12 +109,12 @@ pub fn estimate(
 }
 
 fn json_of(found: &Companions, norm: Norm, estimate: &Estimate) -> Value {
-    let part = |part: &Part| match (part, part.at(1.0)) {
-        (Part::Unknown(reason), _) => json!({ "reason": reason }),
-        (_, Some((value, interval))) => {
-            json!({ "order": part.order(), "value": value, "interval": interval })
+    let part = |part: &Result<Part, String>| match part {
+        Err(reason) => json!({ "reason": reason }),
+        Ok(part) => {
+            let (value, interval) = part.at(1.0).unzip();
+            json!({ "order": part.order, "value": value, "interval": interval })
         }
-        _ => json!({ "reason": "no admissible order" }),
     };
     let (value, interval) = estimate.total().unzip();
     let size = found.state.strain_norm;
@@ -256,7 +256,7 @@ fn asymptotic(goal: &Goal<'_>, floor: f64, estimate: &Estimate) -> Result<(), No
         return Err(unknown(goal.norm, &reasons.join("; ")));
     }
     for (step, part) in [("h", &estimate.space), ("k", &estimate.time)] {
-        if let Part::Known { order, most, .. } = part
+        if let Ok(Part { order: Some(order), most, .. }) = part
             && *order > most + ABOVE
         {
             return Err(NoAnswer::Refused(format!(

@@ -23,7 +23,7 @@ use fem::norms::{ReferenceError, ReferenceRun, step_errors};
 use judge::fit::{FLOORS_ABOVE, Interval, Triple, ValueSample};
 use run::sweep::{NORMS, Runs, as_floors, floor_in};
 use scene::setup::{Setup, SetupError};
-use scene::{Direction, Norm, Prediction};
+use scene::{Direction, Norm};
 use serde_json::Value;
 
 /// Half of the width of the orders that are admitted around an observed one. On h ≤ 1/8 the shipped scenes with P1 and P2
@@ -62,45 +62,51 @@ impl Reading {
 
 /// The error of a run in one step.
 #[derive(Debug, Clone, PartialEq)]
-pub enum Part {
-    /// The run does not depend on the step but for rounding, which bounds the error.
-    Below(f64),
-    /// An estimate.
-    Known {
-        /// Observed order.
-        order: f64,
-        /// All that is admissible, the best first.
-        readings: Vec<Reading>,
-        /// The most that elements, rule or theorem allow towards finer steps.
-        most: f64,
-    },
-    /// There is no estimate, and why.
-    Unknown(String),
+pub struct Part {
+    /// Observed order; none where the run depends on the step by rounding alone, which bounds the error.
+    pub order: Option<f64>,
+    /// All that is admissible, the best first.
+    pub readings: Vec<Reading>,
+    /// The most that elements, rule or theorem allow towards finer steps.
+    pub most: f64,
 }
 
 impl Part {
+    /// No error but rounding.
+    fn below(bound: f64) -> Self {
+        let readings = [0.0, bound].map(|value| Reading { value, order: 0.0, finer: 0.0 });
+        Self { order: None, readings: readings.into(), most: f64::INFINITY }
+    }
+
     /// Reads d₁ and d₂; `theory` is the order of a theorem, where there is one.
-    pub fn of([fine, coarse]: [f64; 2], floor: f64, theory: Option<f64>, how: Alignment) -> Self {
+    ///
+    /// # Errors
+    /// Why there is no estimate.
+    pub fn of(
+        [fine, coarse]: [f64; 2],
+        floor: f64,
+        theory: Option<f64>,
+        how: Alignment,
+    ) -> Result<Self, String> {
         if !(fine.is_finite() && coarse.is_finite()) {
-            return Self::Unknown("a difference of runs is NaN".into());
+            return Err("a difference of runs is NaN".into());
         }
         if fine.max(coarse) <= FLOORS_ABOVE * floor {
-            return Self::Below(FLOORS_ABOVE * floor);
+            return Ok(Self::below(FLOORS_ABOVE * floor));
         }
         if fine <= FLOORS_ABOVE * floor {
-            let text = format!(
+            return Err(format!(
                 "the last difference {fine:.1e} is not above {FLOORS_ABOVE} floors of {floor:.1e}"
-            );
-            return Self::Unknown(text);
+            ));
         }
         let order = (coarse / fine).log2();
         if order < LEAST_ORDER {
-            return Self::Unknown(format!(
+            return Err(format!(
                 "pre-asymptotic: differences of {coarse:.2e} and {fine:.2e} have order {order:.2}"
             ));
         }
         if let Some(theory) = theory.filter(|theory| order > theory + 2.0 * HALF) {
-            return Self::Unknown(format!(
+            return Err(format!(
                 "pre-asymptotic: order {order:.2} observed, {theory} predicted; a coarse companion does not resolve the solution"
             ));
         }
@@ -113,40 +119,21 @@ impl Part {
             values.map(move |value| Reading { value, order, finer: order })
         };
         let readings = orders.filter(|order| *order >= LEAST_ORDER).flat_map(read).collect();
-        Self::Known { order, readings, most: f64::INFINITY }
-    }
-
-    /// Observed order.
-    pub fn order(&self) -> Option<f64> {
-        match self {
-            Self::Known { order, .. } => Some(*order),
-            _ => None,
-        }
+        Ok(Self { order: Some(order), readings, most: f64::INFINITY })
     }
 
     /// Best value and hull of the admissible ones, at `ratio` times the step of the run.
     pub fn at(&self, ratio: f64) -> Option<(f64, Interval)> {
-        match self {
-            Self::Below(bound) => Some((0.0, Interval { lo: 0.0, hi: *bound })),
-            Self::Known { readings, .. } => {
-                let values = readings.iter().map(|reading| reading.at(ratio));
-                Some((readings.first()?.at(ratio), Interval::of(values)?))
-            }
-            Self::Unknown(_) => None,
-        }
+        let values = || self.readings.iter().map(|reading| reading.at(ratio));
+        Some((values().next()?, Interval::of(values())?))
     }
 
     /// Keeps the orders of the readings towards finer steps within `limits`.
-    fn limited(self, limits: Interval) -> Self {
-        match self {
-            Self::Known { order, readings, .. } => {
-                let finer = |reading: Reading| reading.finer.max(limits.lo).min(limits.hi);
-                let limit = |reading: Reading| Reading { finer: finer(reading), ..reading };
-                let readings = readings.into_iter().map(limit).collect();
-                Self::Known { order, readings, most: limits.hi }
-            }
-            other => other,
+    fn limited(mut self, limits: Interval) -> Self {
+        for reading in &mut self.readings {
+            reading.finer = reading.finer.max(limits.lo).min(limits.hi);
         }
+        Self { most: limits.hi, ..self }
     }
 }
 
@@ -164,10 +151,10 @@ fn factors(order: f64, how: Alignment) -> Vec<f64> {
 /// The error of a run in both steps.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Estimate {
-    /// The error in h.
-    pub space: Part,
-    /// The error in k.
-    pub time: Part,
+    /// The error in h, or why there is no estimate.
+    pub space: Result<Part, String>,
+    /// The error in k, likewise.
+    pub time: Result<Part, String>,
 }
 
 impl Estimate {
@@ -179,69 +166,53 @@ impl Estimate {
 
     /// The error at other steps, `ratios` = \[h/h₀, k/k₀\] to those of the run: E² = (e_h (h/h₀)^p)² + (e_k (k/k₀)^q)².
     pub(crate) fn at(&self, ratios: [f64; 2]) -> Option<(f64, Interval)> {
-        let (h, space) = self.space.at(ratios[0])?;
-        let (k, time) = self.time.at(ratios[1])?;
+        let (h, space) = self.space.as_ref().ok()?.at(ratios[0])?;
+        let (k, time) = self.time.as_ref().ok()?.at(ratios[1])?;
         Some((h.hypot(k), Interval { lo: space.lo.max(time.lo), hi: space.hi + time.hi }))
     }
 
     /// Why there is no total.
     pub fn reasons(&self) -> Vec<String> {
-        let reason = |(step, part): (&str, &Part)| match part {
-            Part::Unknown(reason) => Some(format!("{step}: {reason}")),
-            _ => None,
+        let parts = [("h", &self.space), ("k", &self.time)].into_iter();
+        let reason = |(step, part): (_, &Result<Part, String>)| {
+            part.as_ref().err().map(|reason| format!("{step}: {reason}"))
         };
-        [("h", &self.space), ("k", &self.time)].into_iter().filter_map(reason).collect()
-    }
-}
-
-/// The order of a theorem for a norm, where the scene has one.
-fn theory(setup: &Setup, norm: Norm, variable: Direction) -> Option<&Prediction> {
-    setup.scene.predicts.iter().find(|p| p.norm == norm && p.variable == variable)
-}
-
-/// Orders towards finer steps. The most is that of elements and rule (strains and stresses have the degree of the
-/// element, displacements one more; the trapezoidal rule k²), and no more than a theorem says, unless it says "at least".
-/// The least is zero, unless the observed order is within `HALF` of that of a theorem: then it is below the theorem's by
-/// twice their distance, the rule of `fit` for a drift, ± 2 |last - limit|.
-fn limits(part: &Part, scheme: f64, theory: Option<&Prediction>) -> Interval {
-    let hi = theory.filter(|p| !p.at_least).map_or(scheme, |p| p.order.min(scheme));
-    let away = theory.zip(part.order()).map(|(p, order)| (p.order, (p.order - order).abs()));
-    let lo = away.filter(|(_, away)| *away <= HALF).map_or(0.0, |(order, away)| order - 2.0 * away);
-    Interval { lo, hi }
-}
-
-/// The orders in h and in k that elements and rule can have in a norm.
-fn of_scheme(setup: &Setup, norm: Norm) -> [f64; 2] {
-    let degree = setup.body.element.degree() as f64;
-    let strains = how(norm) == Alignment::Orthogonal;
-    [if strains { degree } else { degree + 1.0 }, setup.scene.time.rule.order()]
-}
-
-/// Galerkin's orthogonality is one of strains.
-fn how(norm: Norm) -> Alignment {
-    match norm {
-        Norm::VMax | Norm::StressL2Max => Alignment::Orthogonal,
-        _ => Alignment::Either,
+        parts.filter_map(reason).collect()
     }
 }
 
 /// The error of the run in one norm.
+///
+/// Orders towards finer steps are at most those of elements and rule (strains and stresses have the degree of the element,
+/// displacements one more; the trapezoidal rule k²), and no more than a theorem says, unless it says "at least". The least is
+/// zero, unless the observed order is within `HALF` of that of a theorem: then it is below the theorem's by twice their
+/// distance, the rule of `fit` for a drift, ± 2 |last - limit|.
 pub fn norm_estimate(setup: &Setup, found: &Companions, differences: &NormDifferences) -> Estimate {
     let NormDifferences { norm, space, time, floor } = *differences;
-    let read = |i: usize, variable, apart, how, most| {
-        let theory = theory(setup, norm, variable);
+    // Galerkin's orthogonality is one of strains.
+    let degree = setup.body.element.degree() as f64;
+    let (how, in_h) = match norm {
+        Norm::VMax | Norm::StressL2Max => (Alignment::Orthogonal, degree),
+        _ => (Alignment::Either, degree + 1.0),
+    };
+    let read = |i: usize, variable, apart, how, scheme: f64| {
+        if let Some(missing) = &found.missing[i] {
+            return Err(missing.clone());
+        }
+        let theory = setup.scene.predicts.iter().find(|p| p.norm == norm && p.variable == variable);
         // A theorem that says "at least" does not contradict a higher order that is observed.
         let exact = theory.filter(|p| !p.at_least).map(|p| p.order);
-        let part = match (&found.missing[i], found.free[i]) {
-            (Some(missing), _) => Part::Unknown(missing.clone()),
-            (None, true) => Part::Below(0.0),
-            (None, false) => Part::of(apart, floor, exact, how),
+        let part = match found.free[i] {
+            true => Part::below(0.0),
+            false => Part::of(apart, floor, exact, how)?,
         };
-        let limits = limits(&part, most, theory);
-        part.limited(limits)
+        let away = theory.zip(part.order).map(|(p, order)| (p.order, (p.order - order).abs()));
+        let near = away.filter(|(_, away)| *away <= HALF);
+        let lo = near.map_or(0.0, |(order, away)| order - 2.0 * away);
+        Ok(part.limited(Interval { lo, hi: exact.map_or(scheme, |order| order.min(scheme)) }))
     };
-    let [in_h, in_k] = of_scheme(setup, norm);
-    let space = read(0, Direction::H, space, how(norm), in_h);
+    let space = read(0, Direction::H, space, how, in_h);
+    let in_k = setup.scene.time.rule.order();
     Estimate { space, time: read(1, Direction::K, time, Alignment::Aligned, in_k) }
 }
 
@@ -575,26 +546,24 @@ mod tests {
     mod estimate {
         use super::super::*;
 
-        fn known(part: &Part) -> (f64, f64, Interval) {
-            match part {
-                Part::Known { order, .. } => {
-                    let (value, interval) = part.at(1.0).expect("readings");
-                    (*order, value, interval)
-                }
-                other => panic!("{other:?}"),
-            }
+        fn of(apart: [f64; 2], theory: Option<f64>, how: Alignment) -> Part {
+            Part::of(apart, 0.0, theory, how).expect("an estimate")
+        }
+
+        fn known(apart: [f64; 2], theory: Option<f64>, how: Alignment) -> (f64, f64, Interval) {
+            let part = of(apart, theory, how);
+            let (value, interval) = part.at(1.0).expect("readings");
+            (part.order.expect("an order"), value, interval)
         }
 
         #[test]
         fn aligned_errors_are_found_with_their_order() {
             // u_h = u + C h²: e = 1, d₁ = 3, d₂ = 12.
-            let (order, value, interval) =
-                known(&Part::of([3.0, 12.0], 0.0, Some(2.0), Alignment::Aligned));
+            let (order, value, interval) = known([3.0, 12.0], Some(2.0), Alignment::Aligned);
             assert!((order - 2.0).abs() < 1e-15 && (value - 1.0).abs() < 1e-15);
             assert!(interval.contains(1.0) && interval.lo > 0.5 && interval.hi < 1.7);
             // The estimate of orthogonal errors does not hold them.
-            let (_, _, wrong) =
-                known(&Part::of([3.0, 12.0], 0.0, Some(2.0), Alignment::Orthogonal));
+            let (_, _, wrong) = known([3.0, 12.0], Some(2.0), Alignment::Orthogonal);
             assert!(wrong.contains(3.0 / 15f64.sqrt()));
         }
 
@@ -602,17 +571,15 @@ mod tests {
         fn orthogonal_errors_are_found_with_their_order() {
             // e² = h²: e = 1, 2, 4 at h, 2h, 4h; d₁² = 3, d₂² = 12.
             let (fine, coarse) = (3f64.sqrt(), 12f64.sqrt());
-            let (order, value, interval) =
-                known(&Part::of([fine, coarse], 0.0, Some(1.0), Alignment::Orthogonal));
+            let (order, value, interval) = known([fine, coarse], Some(1.0), Alignment::Orthogonal);
             assert!((order - 1.0).abs() < 1e-15 && (value - 1.0).abs() < 1e-15);
             assert!(interval.contains(1.0) && interval.hi < 2.0);
-            let (_, _, both) = known(&Part::of([fine, coarse], 0.0, None, Alignment::Either));
+            let (_, _, both) = known([fine, coarse], None, Alignment::Either);
             assert!(both.contains(1.0) && both.contains(fine));
         }
 
         #[test]
         fn what_is_not_asymptotic_has_no_estimate() {
-            let unknown = |part: Part| matches!(part, Part::Unknown(_));
             // Differences that grow, that stand still, that fall far faster than the theorem says, NaN.
             for (d, theory) in [
                 ([2.0, 1.0], None),
@@ -620,25 +587,24 @@ mod tests {
                 ([1.0, 10.0], Some(1.0)),
                 ([f64::NAN, 1.0], None),
             ] {
-                assert!(unknown(Part::of(d, 0.0, theory, Alignment::Aligned)), "{d:?}");
+                assert!(Part::of(d, 0.0, theory, Alignment::Aligned).is_err(), "{d:?}");
             }
-            assert!(unknown(Part::of([1e-12, 1.0], 1e-12, None, Alignment::Aligned)));
+            assert!(Part::of([1e-12, 1.0], 1e-12, None, Alignment::Aligned).is_err());
             let below = Part::of([1e-13, 1e-13], 1e-13, None, Alignment::Aligned);
-            assert_eq!(below, Part::Below(FLOORS_ABOVE * 1e-13));
+            assert_eq!(below, Ok(Part::below(FLOORS_ABOVE * 1e-13)));
         }
 
         #[test]
         fn a_total_needs_both_parts() {
             let read = |value| Reading { value, order: 1.0, finer: 1.0 };
-            let part = |value: f64| Part::Known {
-                order: 1.0,
-                readings: [1.0, 0.5, 2.0].map(|factor| read(factor * value)).to_vec(),
-                most: 1.0,
+            let part = |value: f64| {
+                let readings = [1.0, 0.5, 2.0].map(|factor| read(factor * value)).to_vec();
+                Ok(Part { order: Some(1.0), readings, most: 1.0 })
             };
             let both = Estimate { space: part(3.0), time: part(4.0) };
             let (value, interval) = both.total().expect("a total");
             assert!((value - 5.0).abs() < 1e-15 && interval == Interval { lo: 2.0, hi: 14.0 });
-            let one = Estimate { time: Part::Unknown("N = 3".into()), ..both };
+            let one = Estimate { time: Err("N = 3".into()), ..both };
             assert!(one.total().is_none() && one.reasons() == ["k: N = 3"]);
         }
 
@@ -659,7 +625,7 @@ mod tests {
             let (value, interval) = estimate.at([1.0 / 16.0; 2]).expect("both parts");
             assert!(interval.hi > 4.0 * value && interval.lo < value / 4.0);
             // Nothing falls faster than its elements, and nothing is changed towards coarser steps.
-            let fast = Part::of([3.0, 12.0], 0.0, None, Alignment::Orthogonal);
+            let fast = of([3.0, 12.0], None, Alignment::Orthogonal);
             let limited = fast.clone().limited(Interval { lo: 0.0, hi: 1.0 });
             let best = |part: &Part, ratio: f64| part.at(ratio).expect("a value").0;
             assert!((best(&limited, 0.25) / best(&limited, 1.0) - 0.25).abs() < 1e-15);
@@ -668,7 +634,7 @@ mod tests {
             // A theorem bounds the slowest reading as well: without it half an order less goes on.
             let upper = |part: &Part| part.at(1.0 / 64.0).expect("a hull").1.hi;
             let slow = fast.clone().limited(Interval { lo: 0.9, hi: 1.0 });
-            let unlimited = Part::of([3.0, 6.0], 0.0, None, Alignment::Orthogonal);
+            let unlimited = of([3.0, 6.0], None, Alignment::Orthogonal);
             let bounded = unlimited.clone().limited(Interval { lo: 0.9, hi: 1.0 });
             assert!((upper(&unlimited) / upper(&bounded) / 64f64.powf(0.4) - 1.0).abs() < 1e-14);
             assert!(upper(&slow) <= upper(&limited));
