@@ -19,13 +19,12 @@ use serde_json::Value;
 use studies::guarantee::guarantee;
 use studies::trade::NoAnswer;
 use studies::trade::estimate::{
-    Advice, Companions, Goal, NormDifferences, advise, companions, companions_and_bound,
-    norm_estimate,
+    Advice, Companions, Goal, NormDifferences, advise, companions, norm_estimate,
 };
 use vhi::Newton;
 
 fn found(setup: &Setup, n: u32, steps: u32) -> Companions {
-    companions(setup, n, steps).unwrap_or_else(|error| panic!("{error}"))
+    companions(setup, n, steps, &mut |_, _| ()).unwrap_or_else(|error| panic!("{error}"))
 }
 
 /// The errors of a run in some norms: against the exact solution, or a run with four times the cells and steps. That
@@ -47,23 +46,17 @@ fn errors(setup: &Setup, [n, steps]: [u32; 2], norms: &[Norm]) -> Vec<f64> {
 const TOLERANCE: f64 = 0.25;
 
 /// A fraction of the estimated V error of a run, as a goal.
-fn goal<'a>(setup: &'a Setup, run: [u32; 2], found: &Companions, fraction: f64) -> Goal<'a> {
-    goal_in(Norm::VMax, setup, run, found, fraction)
+fn goal<'a>(setup: &'a Setup, found: &Companions, fraction: f64) -> Goal<'a> {
+    goal_in(Norm::VMax, setup, found, fraction)
 }
 
 /// As [`goal`], in any norm.
-fn goal_in<'a>(
-    norm: Norm,
-    setup: &'a Setup,
-    run: [u32; 2],
-    found: &Companions,
-    fraction: f64,
-) -> Goal<'a> {
+fn goal_in<'a>(norm: Norm, setup: &'a Setup, found: &Companions, fraction: f64) -> Goal<'a> {
     let differences =
         found.norms.iter().find(|differences| differences.norm == norm).expect("the norm");
     let (value, _) = norm_estimate(setup, found, differences).total().expect("an estimate");
     let limit = MemoryLimit::of_bytes(1e9);
-    Goal { setup, run, norm, target: fraction * value, limit }
+    Goal { setup, norm, target: fraction * value, limit }
 }
 
 /// What is wrong with a recommendation: its run is made, and its real error compared with prediction and target.
@@ -80,7 +73,7 @@ fn faults_in(norm: Norm, setup: &Setup, advice: &Advice) -> Vec<String> {
         "{} {}: target {:.3e}, n = {}, N = {}: predicted {:.3e}, real {real:.3e}",
         setup.scene.name,
         norm.name(),
-        advice.target,
+        advice.choice.run.target,
         choice.run.n,
         choice.run.steps,
         choice.run.error
@@ -92,8 +85,8 @@ fn faults_in(norm: Norm, setup: &Setup, advice: &Advice) -> Vec<String> {
     if !(least..=most).contains(&(choice.run.error / real)) {
         found.push(format!("predicted over real is {:.3}", choice.run.error / real));
     }
-    if real > (1.0 + TOLERANCE) * aligned * advice.target {
-        found.push(format!("the error is {:.3} targets", real / advice.target));
+    if real > (1.0 + TOLERANCE) * aligned * advice.choice.run.target {
+        found.push(format!("the error is {:.3} targets", real / advice.choice.run.target));
     }
     if !choice.interval.contains(real) {
         found.push(format!("{real:.3e} is not in {:?}", choice.interval));
@@ -127,7 +120,7 @@ fn recommended(wanted: &[(&str, u32, u32, f64)]) {
     for &(name, n, steps, fraction) in wanted {
         let setup = setup(name);
         let found = found(&setup, n, steps);
-        let goal = goal(&setup, [n, steps], &found, fraction);
+        let goal = goal(&setup, &found, fraction);
         let advice = advise(&goal, &found).unwrap_or_else(|error| panic!("{name}: {error}"));
         let choice = &advice.choice;
         assert!(
@@ -168,7 +161,7 @@ fn long_so_has_a_run_that_is_recommended_in_another_norm() {
     ] {
         let setup = setup(name);
         let found = found(&setup, n, steps);
-        let goal = goal_in(norm, &setup, [n, steps], &found, fraction);
+        let goal = goal_in(norm, &setup, &found, fraction);
         let advice = advise(&goal, &found).unwrap_or_else(|error| panic!("{name}: {error}"));
         assert!(advice.choice.run.error <= goal.target, "{name}");
         assert_eq!(faults_in(norm, &setup, &advice), Vec::<String>::new(), "{name}");
@@ -188,7 +181,7 @@ fn a_cautious_run_meets_its_target() {
     for (name, n, steps, fraction) in [("compliance", 16, 8, 0.5), ("in-space", 8, 32, 0.25)] {
         let setup = setup(name);
         let found = found(&setup, n, steps);
-        let goal = goal(&setup, [n, steps], &found, fraction);
+        let goal = goal(&setup, &found, fraction);
         let advice = advise(&goal, &found).unwrap_or_else(|error| panic!("{name}: {error}"));
         let choice = advice.cautious.unwrap_or_else(|error| panic!("{name}: {error}"));
         let real = errors(&setup, [choice.run.n, choice.run.steps], &[Norm::VMax])[0];
@@ -214,7 +207,7 @@ type Defect = fn(&mut NormDifferences);
 fn wrong_differences_make_recommendations_that_are_caught() {
     let setup = setup("elastic-punch");
     let right = found(&setup, 16, 8);
-    let goal = goal(&setup, [16, 8], &right, 0.4);
+    let goal = goal(&setup, &right, 0.4);
     let defects: [(&str, Defect); 4] = [
         ("swapped", |norm| std::mem::swap(&mut norm.space, &mut norm.time)),
         ("an order too low", |norm| norm.space[1] *= 0.85),
@@ -319,7 +312,7 @@ fn costs_grow_with_cells_and_levels() {
     let law = |n: u32, steps: u32| 4e-6 * f64::from(n * n * (steps + 1));
     for clock in [1.0, 0.0] {
         found.times.iter_mut().for_each(|run| run.seconds = clock * law(run.n, run.steps));
-        let advice = advise(&goal(&setup, [16, 8], &found, 0.5), &found).expect("advice");
+        let advice = advise(&goal(&setup, &found, 0.5), &found).expect("advice");
         let choice = advice.choice.run;
         let off = choice.seconds / law(choice.n, choice.steps) - 1.0;
         // Roundings of a sum; a clock that stands still gives no seconds, and advice all the same.
@@ -331,13 +324,9 @@ fn costs_grow_with_cells_and_levels() {
 fn what_cannot_be_recommended_is_refused_with_its_reason() {
     let setup = setup("elastic-punch");
     let found = found(&setup, 16, 8);
-    let written = goal(&setup, [16, 8], &found, 0.5);
+    let written = goal(&setup, &found, 0.5);
     let refusal = |goal: &Goal<'_>, found: &Companions| advise(goal, found).expect_err("a refusal");
-    let of = |target: f64, limit: MemoryLimit| Goal {
-        target,
-        limit,
-        ..goal(&setup, [16, 8], &found, 0.5)
-    };
+    let of = |target: f64, limit: MemoryLimit| Goal { target, limit, ..goal(&setup, &found, 0.5) };
     let far = refusal(&of(1e-5, written.limit), &found);
     assert!(
         matches!(far, NoAnswer::OutOfReach { n: 256, steps: 128, least, .. } if least > 1e-5),
@@ -355,7 +344,7 @@ fn what_cannot_be_recommended_is_refused_with_its_reason() {
         (|norm| norm.time[1] = 16.0 * norm.time[0], "no more than 2 is possible"),
         (|norm| norm.time = [f64::NAN; 2], "is NaN"),
     ] {
-        let mut wrong = companions(&setup, 16, 8).unwrap_or_else(|error| panic!("{error}"));
+        let mut wrong = found.clone();
         wrong.norms.iter_mut().filter(|found| found.norm == Norm::VMax).for_each(change);
         let said = refusal(&written, &wrong).to_string();
         assert!(said.contains(words), "{said}");
@@ -422,7 +411,7 @@ fn an_estimate_and_its_bound_are_of_one_run() {
         seen.lock().unwrap().push(steps);
         data.march(setup, steps, &Newton::default(), observe)
     });
-    let (_, bound) = companions_and_bound(&setup, 8, 8, &mut |_, _| ()).unwrap();
+    let bound = found(&setup, 8, 8).bound;
     assert_eq!(*marches.lock().unwrap(), [8, 4, 2, 8, 8]);
     let (bound, alone) = (bound.unwrap(), guarantee(&setup, 8, 8).unwrap());
     assert_eq!(bound.levels.len(), 9);
@@ -431,6 +420,6 @@ fn an_estimate_and_its_bound_are_of_one_run() {
     }
     // What the theorem does not cover is said, and estimated all the same.
     let falling = self::setup("compliance");
-    let (found, bound) = companions_and_bound(&falling, 8, 8, &mut |_, _| ()).unwrap();
-    assert!(found.missing == [None, None] && bound.unwrap_err().contains("falls"));
+    let found = found(&falling, 8, 8);
+    assert!(found.missing == [None, None] && found.bound.unwrap_err().contains("falls"));
 }

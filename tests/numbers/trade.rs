@@ -265,7 +265,8 @@ fn the_bound_of_a_quantity_contains_its_limit() {
         let data = on_mesh(&setup, n);
         let truth = data.truth.moments(setup.scene.time.horizon).expect("the truth is finite");
         let exact = strain_error(&data.space, &vec![0.0; data.space.nodes.len()], &truth);
-        let found = companions(&setup, n, steps).unwrap_or_else(|error| panic!("{error}"));
+        let found = companions(&setup, n, steps, &mut |_, _| ());
+        let found = found.unwrap_or_else(|error| panic!("{error}"));
         let estimate =
             found.quantities.iter().find(|found| found.name == "strain_norm").expect("a quantity");
         let bound = estimate.uncertainty.unwrap_or_else(|| panic!("{name}: {estimate:?}"));

@@ -8,7 +8,7 @@
 
 use crate::guarantee::{BoundedLevel, Guarantee};
 use crate::study::{Asked, StudyError};
-use crate::trade::estimate::{companion_runs, companions_and_bound, norm_estimate};
+use crate::trade::estimate::{companion_runs, companions, norm_estimate};
 use fem::contact::{Discretization, LoadError, StepView};
 use fem::norms::step_errors;
 use judge::Order;
@@ -320,8 +320,7 @@ fn compare(setup: &Setup, along: Direction, [n, steps]: [u32; 2]) -> Result<Run,
                 .map(|truth| step_errors(space, &setup.model, view, &truth).v.max(largest));
         }
     };
-    let (found, bound) =
-        companions_and_bound(setup, n, steps, &mut watch).map_err(StudyError::other)?;
+    let found = companions(setup, n, steps, &mut watch).map_err(StudyError::other)?;
     let error = error.map_err(StudyError::other)?;
     let differences = found.norms.iter().find(|differences| differences.norm == Norm::VMax);
     let estimate = differences.map(|differences| norm_estimate(setup, &found, differences));
@@ -332,7 +331,7 @@ fn compare(setup: &Setup, along: Direction, [n, steps]: [u32; 2]) -> Result<Run,
     let largest = setup.model.elasticity.eigenvalues(setup.scene.dimension).1;
     let bound = match setup.body.data.is_interpolated() {
         true => Err("the data depend on the mesh, so the error has no part in h".to_owned()),
-        false => bound.map(|found| {
+        false => found.bound.map(|found| {
             // Without an estimate in time there is no telling what it adds.
             let in_time = in_time.map_or(f64::INFINITY, |(_, interval)| interval.hi);
             (found, largest.sqrt() * in_time)

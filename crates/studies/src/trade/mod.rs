@@ -13,4 +13,4 @@ pub use study::{Trade, front, measurable, trade};
 
 /// Companions of a run go down to a fourth of n and N, and meshes up to four times the n of a run are made to foresee
 /// another one.
-const SPAN: u32 = 4;
+pub(crate) const SPAN: u32 = 4;

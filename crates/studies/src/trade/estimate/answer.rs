@@ -3,7 +3,7 @@
 use super::super::optimum::{Choice, Choices, Law, MOST, NoAnswer};
 use super::super::{SPAN, Wanted};
 use super::{
-    Companions, Estimate, NormDifferences, Part, Watch, companions_and_bound, norm_estimate,
+    Companions, Estimate, NormDifferences, Part, RunTime, Watch, companions, norm_estimate,
 };
 use crate::guarantee::GuaranteeError;
 use judge::fit::Interval;
@@ -32,7 +32,7 @@ pub fn estimate(
     limit: &MemoryLimit,
     watch: &mut Watch<'_>,
 ) -> Result<Estimated, GuaranteeError> {
-    let (found, bound) = companions_and_bound(setup, n, steps, watch)?;
+    let found = companions(setup, n, steps, watch)?;
     let of = |of: &NormDifferences| json_of(&found, of.norm, &norm_estimate(setup, &found, of));
     let norms: Vec<Value> = found.norms.iter().map(of).collect();
     let mut json = json!({
@@ -42,7 +42,7 @@ pub fn estimate(
         "norms": norms,
         "quantities": found.quantities,
         "state": found.state,
-        "bound": match &bound {
+        "bound": match &found.bound {
             Err(reason) => json!({ "refused": reason }),
             Ok(found) => json!({
                 "largest": found.largest(),
@@ -66,7 +66,7 @@ pub fn estimate(
         "quantity = name; >value = value 6; >at most off by = uncertainty 2; >limit = extrapolated 6; \
          >order in h = orders/0 3; >in k = orders/1 3; unknown because = reason",
     );
-    match &bound {
+    match &found.bound {
         Err(reason) => document.words(format!("No guaranteed bound: {reason}.")),
         Ok(bound) => document.rows(
             "The largest guaranteed bound of the error in space, in the energy norm; errors hold that in time.",
@@ -77,7 +77,7 @@ pub fn estimate(
     let mut refused = None;
     if let Some(target) = wanted.error(found.size) {
         let norm = wanted.norm;
-        let goal = Goal { setup, run: [n, steps], norm, target, limit: *limit };
+        let goal = Goal { setup, norm, target, limit: *limit };
         json["recommendation"] = match advise(&goal, &found) {
             Ok(advice) => {
                 let cautious = advice.cautious.as_ref().map_or_else(refusal, words);
@@ -150,12 +150,10 @@ const REACH: u32 = 16;
 /// An order that exceeds what elements and rule can have by more than this shows that companions are too coarse: the half
 /// that is admitted around an order, and another one as in [`super::Part::of`].
 const ABOVE: f64 = 1.0;
-/// What is wanted of which run.
+/// What is wanted of a run.
 pub struct Goal<'a> {
     /// The scene.
     pub setup: &'a Setup,
-    /// n and N of the run.
-    pub run: [u32; 2],
     /// The norm of the error.
     pub norm: Norm,
     /// The error.
@@ -178,8 +176,6 @@ pub struct Advised {
 /// The recommendation.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Advice {
-    /// What was wanted.
-    pub target: f64,
     /// The cheapest pair whose predicted error is the target or less.
     pub choice: Advised,
     /// The cheapest pair at which the upper end of the interval is the target or less, or why there is none.
@@ -198,7 +194,7 @@ pub fn advise(goal: &Goal<'_>, found: &Companions) -> Result<Advice, NoAnswer> {
     let differences = differences.ok_or_else(|| unknown(goal.norm, "the scene has no contact"))?;
     let estimate = norm_estimate(goal.setup, found, differences);
     asymptotic(goal, differences.floor, &estimate)?;
-    let [n, steps] = goal.run;
+    let RunTime { n, steps, .. } = found.times[0];
     let [h, k] = [choices.h(n), choices.k(steps)];
     // Seconds of all runs, shared out by cells times levels.
     let (dimension, horizon) = (goal.setup.scene.dimension as i32, goal.setup.scene.time.horizon);
@@ -211,11 +207,11 @@ pub fn advise(goal: &Goal<'_>, found: &Companions) -> Result<Advice, NoAnswer> {
     let nowhere = (f64::INFINITY, Interval { lo: 0.0, hi: f64::INFINITY });
     let at = |choice: [f64; 2]| estimate.at([choice[0] / h, choice[1] / k]).unwrap_or(nowhere);
     // Where a step has no error, another one is another problem, or other levels with the same error.
-    let range = |i: usize| match found.free[i] {
-        true => [goal.run[i]; 2],
-        false => [goal.run[i] / SPAN, goal.run[i].saturating_mul(REACH).min(MOST[i])],
+    let range = |i: usize, run: u32| match found.free[i] {
+        true => [run; 2],
+        false => [run / SPAN, run.saturating_mul(REACH).min(MOST[i])],
     };
-    let [[least, most], [fewest, longest]] = [range(0), range(1)];
+    let [[least, most], [fewest, longest]] = [range(0, n), range(1, steps)];
     let advised = |read: fn((f64, Interval)) -> f64| {
         let law = Law {
             error: Box::new(|h, k| read(at([h, k]))),
@@ -239,7 +235,7 @@ pub fn advise(goal: &Goal<'_>, found: &Companions) -> Result<Advice, NoAnswer> {
         false => choice.run.steps.next_multiple_of(SPAN),
     };
     let check = [next.unwrap_or(choice.run.n), longer];
-    Ok(Advice { target: goal.target, choice, cautious, check })
+    Ok(Advice { choice, cautious, check })
 }
 
 fn unknown(norm: Norm, reasons: &str) -> NoAnswer {

@@ -236,6 +236,8 @@ pub struct Companions {
     pub size: f64,
     /// What each run took, the run itself first.
     pub times: Vec<RunTime>,
+    /// The guaranteed bound of the error in space of the run itself, or why there is none.
+    pub bound: Result<Guarantee, String>,
 }
 
 /// CPU seconds of one run as if it were alone: mesh, analysis, loads and march, without what companions are kept and
@@ -280,28 +282,19 @@ struct Run {
     apart: Floors,
 }
 
-/// Runs a scene on (n, N) and on the coarser companions that it has.
-///
-/// # Errors
-/// The run itself; a companion that fails is `missing`.
-pub fn companions(setup: &Setup, n: u32, steps: u32) -> Result<Companions, SetupError> {
-    let finest = run(setup, &Meshed::new(setup, n)?, [steps, steps], None, &mut |_| Ok(()))?;
-    Ok(beside(setup, finest))
-}
-
 /// What sees the levels of the run itself, on its space.
 pub type Watch<'a> = dyn FnMut(&Discretization, &StepView<'_>) + 'a;
 
-/// [`companions`], and the guaranteed bound of the error in space of that very run, or why there is none.
+/// Runs a scene on (n, N), which is bounded and watched, and on the coarser companions that it has.
 ///
 /// # Errors
-/// Of the run, and of a bound that the theorem covers.
-pub fn companions_and_bound(
+/// Of the run itself, and of a bound that the theorem covers; a companion that fails is `missing`.
+pub fn companions(
     setup: &Setup,
     n: u32,
     steps: u32,
     watch: &mut Watch<'_>,
-) -> Result<(Companions, Result<Guarantee, String>), GuaranteeError> {
+) -> Result<Companions, GuaranteeError> {
     let mesh = Meshed::new(setup, n)?;
     let mut bounding = Bounding::new(setup, &mesh.data, steps);
     let finest = run(setup, &mesh, [steps, steps], None, &mut |view| {
@@ -315,22 +308,13 @@ pub fn companions_and_bound(
         found => Ok(found?),
     };
     drop(mesh);
-    Ok((beside(setup, finest), bound))
-}
-
-/// What a run and its companions show.
-fn beside(setup: &Setup, finest: Run) -> Companions {
-    let RunTime { n, steps, .. } = finest.time;
     let no_history = setup.model.memory.is_empty() && setup.kappa.lipschitz == 0.0;
     let free = [setup.body.data.is_interpolated(), no_history];
-    let coarser = |i: usize| match i {
-        _ if free[i] => Ok(Vec::new()),
-        0 => has_meshes(setup, n)
-            .and_then(|()| coarser(setup, &finest, [[n / 2, steps], [n / 4, steps]])),
-        _ => shares_times(setup, steps)
-            .and_then(|()| coarser(setup, &finest, [[n, steps / 2], [n, steps / 4]])),
-    };
-    let [in_time, in_space] = [1, 0].map(coarser);
+    let grids = [[2, 4].map(|part| [n / part, steps]), [2, 4].map(|part| [n, steps / part])];
+    let [in_time, in_space] = [1, 0].map(|i| match free[i] {
+        true => Ok(Vec::new()),
+        false => nested(setup, [n, steps], i).and_then(|()| coarser(setup, &finest, grids[i])),
+    });
     let runs: [Companion; 2] = [in_space, in_time];
     let all = || std::iter::once(&finest).chain(runs.iter().rev().flatten().flatten());
     let floors = all().fold(Floors::default(), |floors, run| floors.max(run.floors));
@@ -358,7 +342,7 @@ fn beside(setup: &Setup, finest: Run) -> Companions {
         });
         quantity(&name, values, value)
     });
-    Companions {
+    Ok(Companions {
         norms: norms.collect(),
         quantities: quantities.collect(),
         times: all().map(|run| run.time).collect(),
@@ -366,7 +350,8 @@ fn beside(setup: &Setup, finest: Run) -> Companions {
         free,
         size: finest.size,
         state: finest.state,
-    }
+        bound,
+    })
 }
 
 /// The run of [`companions`] with the memory that it takes: beside the run, the compared levels of it and of two
@@ -385,24 +370,23 @@ pub fn companion_runs(setup: &Setup, n: u32, steps: u32) -> Runs<'_> {
 /// The two companions in one step, none where it makes no difference; or why there are none.
 type Companion = Result<Vec<Run>, String>;
 
-fn shares_times(setup: &Setup, steps: u32) -> Result<(), String> {
-    if !steps.is_multiple_of(SPAN) {
-        return Err(format!("N = {steps} is no multiple of {SPAN}"));
+/// Whether a fourth of n, or of N, has what companions share with the run.
+fn nested(setup: &Setup, counts: [u32; 2], i: usize) -> Result<(), String> {
+    let (name, count) = (["n", "N"][i], counts[i]);
+    if !count.is_multiple_of(SPAN) {
+        return Err(format!("{name} = {count} is no multiple of {SPAN}"));
     }
-    let (fine, coarse) = (setup.grid(steps), setup.grid(steps / SPAN));
+    let fourth = count / SPAN;
+    if i == 0 {
+        let none = |_| format!("the domain has no mesh with n = {fourth}");
+        return setup.scene.check_cells(fourth).map_err(none);
+    }
+    let (fine, coarse) = (setup.grid(count), setup.grid(fourth));
     let apart = |j: usize| (fine.time(SPAN as usize * j) - coarse.time(j)).abs();
     match (0..=coarse.steps()).any(|j| apart(j) > SAME_TIME * fine.time(fine.steps())) {
         true => Err("the grids of N and N/4 steps share no times".into()),
         false => Ok(()),
     }
-}
-
-fn has_meshes(setup: &Setup, n: u32) -> Result<(), String> {
-    if !n.is_multiple_of(SPAN) {
-        return Err(format!("n = {n} is no multiple of {SPAN}"));
-    }
-    let none = |_| format!("the domain has no mesh with n = {}", n / SPAN);
-    setup.scene.check_cells(n / SPAN).map_err(none)
 }
 
 /// Coarser runs, each from nothing and compared with the one before: on the same mesh point by point, on another one by
