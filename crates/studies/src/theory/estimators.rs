@@ -8,7 +8,9 @@
 
 use crate::guarantee::{BoundedLevel, Guarantee};
 use crate::study::{Asked, StudyError};
+use crate::trade::SPAN;
 use crate::trade::estimate::{companion_runs, companions, norm_estimate};
+use algebra::linalg::larger;
 use fem::contact::{Discretization, LoadError, StepView};
 use fem::norms::step_errors;
 use judge::Order;
@@ -18,30 +20,17 @@ use report::{Axis, Chapter, Chart, Findings, Part, Scale, Series};
 use run::sweep::admit_constants;
 use scene::setup::{MeshData, Setup};
 use scene::{Direction, Norm, Prediction, Scene};
-use serde_json::{Value, json};
+use serde::Serialize;
 
 /// Largest n taken from a scene's list, and most steps.
 const FINEST: u32 = 64;
 const MOST_STEPS: u32 = 256;
 /// Runs of a ladder: an order needs three.
 const RUNS: usize = 3;
-/// The companions of a run have a fourth of its n and N.
-const SPAN: u32 = 4;
 /// Rounding of a norm of strains, relative to it.
 const ROUNDING: f64 = 1e-12;
 /// An error below this many errors in time, or roundings, is not one in space.
 const IN_SPACE: f64 = 10.0;
-
-const BOUND: Statement =
-    Statement { source: "bound, reliable", says: "error <= bound + error in time" };
-const BOUND_TREND: Statement =
-    Statement { source: "bound, efficient", says: "bound/error does not grow" };
-const ESTIMATE: Statement =
-    Statement { source: "estimate, interval", says: "the interval holds the error" };
-const ESTIMATE_TREND: Statement =
-    Statement { source: "estimate, efficient", says: "estimate/error does not grow" };
-const ERROR_TREND: Statement =
-    Statement { source: "estimate, reliable", says: "error/estimate does not grow" };
 
 /// `sweep estimators`.
 ///
@@ -131,16 +120,26 @@ impl Default for Estimators<'_> {
     }
 }
 
-/// One run with what the estimators say of it.
+/// One run with what the estimators say of it; files have its numbers.
+#[derive(Serialize)]
 struct Run {
-    place: Place,
+    n: u32,
+    steps: u32,
     step: f64,
     /// ‖ε(u - u^{kh})‖, largest over the levels, and ‖ε(u^{kh})‖.
     error: f64,
+    #[serde(skip)]
     size: f64,
-    estimate: Result<(f64, Interval), String>,
-    /// The bounds, and what the error in time adds to the error in the energy norm.
-    bound: Result<(Guarantee, f64), String>,
+    estimate: Option<f64>,
+    estimate_over_error: Option<f64>,
+    no_estimate: Option<String>,
+    energy_error: Option<f64>,
+    bound: Option<f64>,
+    /// None where the error is one in time, or rounding.
+    bound_over_error: Option<f64>,
+    no_bound: Option<String>,
+    #[serde(skip)]
+    claims: Vec<Claim>,
 }
 
 /// Compares both estimators with the errors of all runs of a ladder.
@@ -152,85 +151,40 @@ pub fn estimators(
     ladder: &Ladder,
     under_test: &Estimators<'_>,
 ) -> Result<Findings, StudyError> {
-    let runs = ladder.runs.iter().map(|&run| compare(setup, ladder.along, run));
+    let runs = ladder.runs.iter().map(|&run| compare(setup, ladder.along, run, under_test));
     let runs = runs.collect::<Result<Vec<_>, StudyError>>()?;
-    let (mut claims, mut rows) = (Vec::new(), Vec::new());
-    let (mut bounds, mut estimates) = (Vec::new(), Vec::new());
-    for run in &runs {
-        let mut row = json!({
-            "n": run.place.n, "steps": run.place.steps, "step": run.step, "error": run.error,
-            "estimate": null, "estimate_over_error": null, "no_estimate": null,
-            "energy_error": null, "bound": null, "bound_over_error": null, "no_bound": null,
-        });
-        match &run.estimate {
-            Ok((value, interval)) => {
-                let value = (under_test.estimate)(*value, run.step);
-                let scale = value / run.estimate.as_ref().map_or(1.0, |(value, _)| *value);
-                let [low, high] = [interval.lo, interval.hi].map(|end| scale * end);
-                claims.push(Claim {
-                    statement: ESTIMATE,
-                    place: run.place.clone(),
-                    left: run.error,
-                    relation: Relation::Within([low, high]),
-                    accuracy: ROUNDING * run.size,
-                    note: String::new(),
-                });
-                if run.error > IN_SPACE * ROUNDING * run.size {
-                    estimates.push((run.step, value / run.error));
-                }
-                row["estimate"] = value.into();
-                row["estimate_over_error"] = (value / run.error).into();
-            }
-            Err(why) => row["no_estimate"] = why.clone().into(),
+    let (scene, along) = (&setup.scene, ladder.along.name());
+    let quotients = |of: fn(&Run) -> Option<f64>| -> Vec<(f64, f64)> {
+        runs.iter().filter_map(|run| Some((run.step, of(run)?))).collect()
+    };
+    let estimates = quotients(|run| {
+        run.estimate_over_error.filter(|_| run.error > IN_SPACE * ROUNDING * run.size)
+    });
+    let inverse: Vec<_> = estimates.iter().map(|(step, value)| (*step, 1.0 / value)).collect();
+    let in_h = ladder.along == Direction::H;
+    let bounds = if in_h { quotients(|run| run.bound_over_error) } else { Vec::new() };
+    let mut claims: Vec<Claim> = runs.iter().flat_map(|run| run.claims.clone()).collect();
+    for (source, says, quotients) in [
+        ("estimate, efficient", "estimate/error does not grow", &estimates),
+        ("estimate, reliable", "error/estimate does not grow", &inverse),
+        ("bound, efficient", "bound/error does not grow", &bounds),
+    ] {
+        if !quotients.is_empty() {
+            claims.push(does_not_grow(Statement { source, says }, along, quotients));
         }
-        match &run.bound {
-            Ok((found, in_time)) => {
-                let seen = bounded(run, found, *in_time, under_test.bound);
-                row["bound"] = seen.bound.into();
-                row["energy_error"] = seen.error.into();
-                row["bound_over_error"] = seen.quotient.into();
-                if let (Some(quotient), Direction::H) = (seen.quotient, ladder.along) {
-                    bounds.push((run.step, quotient));
-                }
-                claims.push(seen.claim);
-            }
-            Err(why) => row["no_bound"] = why.clone().into(),
-        }
-        rows.push(row);
     }
-    let inverse: Vec<(f64, f64)> =
-        estimates.iter().map(|(step, value)| (*step, 1.0 / value)).collect();
-    let name = ladder.along.name();
-    let ladders = [(ESTIMATE_TREND, &estimates), (ERROR_TREND, &inverse), (BOUND_TREND, &bounds)];
-    claims.extend(
-        ladders
-            .into_iter()
-            .filter(|(_, ladder)| !ladder.is_empty())
-            .map(|(statement, quotients)| does_not_grow(statement, name, quotients)),
-    );
     if claims.is_empty() {
-        let why = runs.first().and_then(|run| run.estimate.as_ref().err().cloned());
+        let why = runs.first().and_then(|run| run.no_estimate.as_deref()).unwrap_or_default();
         return Err(StudyError::other(format!(
-            "neither estimator says anything of `{}`: {}",
-            setup.scene.name,
-            why.unwrap_or_default()
+            "neither estimator says anything of `{}`: {why}",
+            scene.name
         )));
     }
-    Ok(found(setup, name, claims, rows, [("estimate", estimates), ("bound", bounds)]))
-}
-
-fn found(
-    setup: &Setup,
-    along: &str,
-    claims: Vec<Claim>,
-    rows: Vec<Value>,
-    curves: [(&str, Vec<(f64, f64)>); 2],
-) -> Findings {
-    let scene = &setup.scene;
     let title = (Chapter::Estimators, format!("Estimators: {}", scene.name));
     let mut findings = Findings::new(title, Some([&scene.name, &scene.source.hash]), claims);
     findings.number("along", along);
-    let series = curves.into_iter().filter(|(_, points)| !points.is_empty());
+    let curves = [("estimate", estimates), ("bound", bounds)].into_iter();
+    let series = curves.filter(|(_, points)| !points.is_empty());
     let series: Vec<Series> =
         series.map(|(name, points)| Series::new(name, vec![Part::Line(points)])).collect();
     if !series.is_empty() {
@@ -243,52 +197,60 @@ fn found(
     }
     findings.table(
         "runs",
-        rows,
+        runs,
         "Errors of the runs, in V and in the energy norm, and what was said of them.",
         "n = n; >N = steps; >error = error 4; >estimate = estimate 4; >estimate/error = estimate_over_error 4; \
          >energy error = energy_error 4; >bound = bound 4; >bound/error = bound_over_error 4; \
          no estimate = no_estimate; no bound = no_bound",
     );
-    findings
+    Ok(findings)
 }
 
-/// What the bound of a run says.
-struct Seen {
-    claim: Claim,
-    bound: f64,
-    error: f64,
-    /// None where the error is one in time, or rounding.
-    quotient: Option<f64>,
-}
+impl Run {
+    fn place(&self) -> Place {
+        Place { n: Some(self.n), steps: Some(self.steps), ..Place::default() }
+    }
 
-fn bounded(
-    run: &Run,
-    found: &Guarantee,
-    in_time: f64,
-    read: &dyn Fn(&BoundedLevel, f64) -> f64,
-) -> Seen {
-    let h = run.step;
-    let claim = |level: &BoundedLevel| {
-        let place = Place { level: Some(level.n), ..run.place.clone() };
-        let error = level.error.unwrap_or(f64::NAN);
-        Claim::at_most(BOUND, place, [error, read(level, h) + in_time], ROUNDING * level.size)
-    };
-    let claims: Vec<Claim> = found.levels.iter().map(claim).collect();
-    let worst = Claim::worst(&claims).first().map(|(worst, _)| (*worst).clone());
-    let largest = |of: &dyn Fn(&BoundedLevel) -> f64| {
-        found.levels.iter().map(of).fold(0.0, |largest, value| match value.is_nan() {
-            true => value,
-            false => f64::max(largest, value),
-        })
-    };
-    let bound = largest(&|level| read(level, h));
-    let error = largest(&|level| level.error.unwrap_or(f64::NAN));
-    let of_space = error > IN_SPACE * (in_time + ROUNDING * largest(&|level| level.size));
-    Seen {
-        claim: worst.unwrap_or_default(),
-        bound,
-        error,
-        quotient: of_space.then(|| bound / error),
+    /// Adds an estimate, as it is read, and its claim.
+    fn estimated(&mut self, raw: f64, interval: Interval, read: &dyn Fn(f64, f64) -> f64) {
+        let value = read(raw, self.step);
+        let says = "the interval holds the error";
+        self.claims.push(Claim {
+            statement: Statement { source: "estimate, interval", says },
+            place: self.place(),
+            left: self.error,
+            relation: Relation::Within([interval.lo, interval.hi].map(|end| value / raw * end)),
+            accuracy: ROUNDING * self.size,
+            note: String::new(),
+        });
+        (self.estimate, self.estimate_over_error) = (Some(value), Some(value / self.error));
+    }
+
+    /// Adds the bounds of the levels, as they are read, beside which the error in time adds to the error in the energy norm.
+    fn bounded(
+        &mut self,
+        found: &Guarantee,
+        in_time: f64,
+        read: &dyn Fn(&BoundedLevel, f64) -> f64,
+    ) {
+        let read = |level: &BoundedLevel| read(level, self.step);
+        let error = |level: &BoundedLevel| level.error.unwrap_or(f64::NAN);
+        let claim = |level: &BoundedLevel| {
+            let statement =
+                Statement { source: "bound, reliable", says: "error <= bound + error in time" };
+            let place = Place { level: Some(level.n), ..self.place() };
+            let sides = [error(level), read(level) + in_time];
+            Claim::at_most(statement, place, sides, ROUNDING * level.size)
+        };
+        let claims: Vec<Claim> = found.levels.iter().map(claim).collect();
+        let worst = Claim::worst(&claims).first().map(|(worst, _)| (*worst).clone());
+        let most =
+            |of: &dyn Fn(&BoundedLevel) -> f64| found.levels.iter().map(of).fold(0.0, larger);
+        let (bound, error) = (most(&read), most(&error));
+        let of_space = error > IN_SPACE * (in_time + ROUNDING * most(&|level| level.size));
+        self.claims.push(worst.unwrap_or_default());
+        (self.bound, self.energy_error) = (Some(bound), Some(error));
+        self.bound_over_error = of_space.then(|| bound / error);
     }
 }
 
@@ -307,8 +269,13 @@ fn does_not_grow(statement: Statement, along: &str, quotients: &[(f64, f64)]) ->
     Claim { statement, place, left, relation: Relation::Order(0.0, decision), accuracy: 0.0, note }
 }
 
-/// Runs a case with its companions, and measures its error.
-fn compare(setup: &Setup, along: Direction, [n, steps]: [u32; 2]) -> Result<Run, StudyError> {
+/// Runs a case with its companions, measures its error, and compares it with what the estimators say.
+fn compare(
+    setup: &Setup,
+    along: Direction,
+    [n, steps]: [u32; 2],
+    under_test: &Estimators<'_>,
+) -> Result<Run, StudyError> {
     let data = MeshData::new(setup, n, None)?;
     let mut error: Result<f64, LoadError> = Ok(0.0);
     let mut watch = |space: &Discretization, view: &StepView<'_>| {
@@ -321,32 +288,42 @@ fn compare(setup: &Setup, along: Direction, [n, steps]: [u32; 2]) -> Result<Run,
         }
     };
     let found = companions(setup, n, steps, &mut watch).map_err(StudyError::other)?;
-    let error = error.map_err(StudyError::other)?;
+    let mut run = Run {
+        n,
+        steps,
+        step: match along {
+            Direction::K => setup.grid(steps).largest_step(),
+            _ => 1.0 / f64::from(n),
+        },
+        error: error.map_err(StudyError::other)?,
+        size: found.size,
+        estimate: None,
+        estimate_over_error: None,
+        no_estimate: None,
+        energy_error: None,
+        bound: None,
+        bound_over_error: None,
+        no_bound: None,
+        claims: Vec::new(),
+    };
     let differences = found.norms.iter().find(|differences| differences.norm == Norm::VMax);
     let estimate = differences.map(|differences| norm_estimate(setup, &found, differences));
-    let in_time = estimate.as_ref().and_then(|estimate| estimate.time.as_ref().ok()?.at(1.0));
-    let total = |estimate: &crate::trade::estimate::Estimate| {
-        estimate.total().ok_or_else(|| estimate.reasons().join("; "))
-    };
+    let estimate = estimate.ok_or_else(|| StudyError::other("no norm"))?;
+    match estimate.total() {
+        Some((raw, interval)) => run.estimated(raw, interval, under_test.estimate),
+        None => run.no_estimate = Some(estimate.reasons().join("; ")),
+    }
+    // Without an estimate in time there is no telling what it adds.
+    let in_time = estimate.time.ok().and_then(|time| time.at(1.0));
+    let in_time = in_time.map_or(f64::INFINITY, |(_, interval)| interval.hi);
     let largest = setup.model.elasticity.eigenvalues(setup.scene.dimension).1;
-    let bound = match setup.body.data.is_interpolated() {
-        true => Err("the data depend on the mesh, so the error has no part in h".to_owned()),
-        false => found.bound.map(|found| {
-            // Without an estimate in time there is no telling what it adds.
-            let in_time = in_time.map_or(f64::INFINITY, |(_, interval)| interval.hi);
-            (found, largest.sqrt() * in_time)
-        }),
-    };
-    let step = match along {
-        Direction::K => setup.grid(steps).largest_step(),
-        _ => 1.0 / f64::from(n),
-    };
-    Ok(Run {
-        place: Place { n: Some(n), steps: Some(steps), ..Place::default() },
-        step,
-        error,
-        size: found.size,
-        estimate: estimate.as_ref().map_or_else(|| Err("no norm".into()), total),
-        bound,
-    })
+    match found.bound {
+        _ if setup.body.data.is_interpolated() => {
+            let why = "the data depend on the mesh, so the error has no part in h";
+            run.no_bound = Some(why.into());
+        }
+        Ok(bound) => run.bounded(&bound, largest.sqrt() * in_time, under_test.bound),
+        Err(why) => run.no_bound = Some(why),
+    }
+    Ok(run)
 }
