@@ -156,14 +156,7 @@ fn plane(scene: &Scene, body: &ContactScene) -> Sketch {
     }
     let sides = domain.all_sides().flat_map(|side| domain.faces(side));
     let outline: Vec<Vec<[f64; 3]>> = sides.map(|face| face.points(ALONG)).collect();
-    let faces = |&side: &Side| domain.faces(side).into_iter().map(move |face| (side, face));
-    let contact = domain.contact.iter().flat_map(faces);
-    let surface = |(side, face): (Side, Face)| Surface {
-        side,
-        points: face.points(CURVE),
-        normal: face.normal,
-    };
-    let surfaces: Vec<Surface> = contact.map(surface).collect();
+    let surfaces = surfaces(body, |face| face.points(CURVE));
     moved(scene, body, (&outline, &surfaces), |[x, y, _]| (x, y), &mut sketch);
     sketch
 }
@@ -173,6 +166,13 @@ struct Surface {
     side: Side,
     points: Vec<[f64; 3]>,
     normal: [f64; 3],
+}
+
+/// The plane pieces of the contact sides.
+fn surfaces(body: &ContactScene, points: impl Fn(&Face) -> Vec<[f64; 3]>) -> Vec<Surface> {
+    let of_side = |&side: &Side| body.domain.faces(side).into_iter().map(move |face| (side, face));
+    let faces = body.domain.contact.iter().flat_map(of_side);
+    faces.map(|(side, face)| Surface { side, points: points(&face), normal: face.normal }).collect()
 }
 
 fn divides(scene: &Scene, n: u32) -> bool {
@@ -308,21 +308,13 @@ fn one_digit(value: f64) -> f64 {
     if decade < 1.0 { digits / (1.0 / decade).round() } else { digits * decade }
 }
 
-/// A side on the coarse mesh in space: its plane pieces by their corners in order.
-fn polygons(body: &ContactScene, side: Side) -> Vec<(Vec<[f64; 3]>, [f64; 3])> {
-    let corners = |face: scene::Face| {
-        let mut corners = face.points(1);
-        if let ([_, _, _, _], false) = (&corners[..], face.triangle) {
-            corners.swap(2, 3);
-        }
-        (corners, face.normal)
-    };
-    body.domain.faces(side).into_iter().map(corners).collect()
-}
-
-/// Whether the mesh comes from a file.
-fn is_imported(body: &ContactScene) -> bool {
-    matches!(&body.domain.shape, Shape::Refined(coarse) if coarse.dimension == 3)
+/// The corners of a plane piece in space, in order.
+fn corners(face: &Face) -> Vec<[f64; 3]> {
+    let mut corners = face.points(1);
+    if let ([_, _, _, _], false) = (&corners[..], face.triangle) {
+        corners.swap(2, 3);
+    }
+    corners
 }
 
 // A body in space seen from the left and slightly above: faces tinted by condition, edges where planes or conditions
@@ -350,19 +342,14 @@ type Beside = ([f64; 3], Ink);
 /// The ends of an edge with the pieces that meet there.
 type Edge = ([[f64; 3]; 2], Vec<Beside>);
 
-/// A plane piece by its corners, the first repeated at the end.
-fn closed((side, (mut corners, normal)): (Side, (Vec<[f64; 3]>, [f64; 3]))) -> Surface {
-    corners.extend(corners.first().copied());
-    Surface { side, points: corners, normal }
-}
-
 fn in_space(scene: &Scene, body: &ContactScene) -> Sketch {
     let mut sketch = Sketch::default();
     let extent = body.domain.size.iter().copied().fold(0.0, f64::max);
     let key = |x: [f64; 3]| x.map(|x| (x / (SAME * extent)).round() as i64);
     let mut edges: BTreeMap<[[i64; 3]; 2], Edge> = BTreeMap::new();
     for (ink, _, sides) in parts(body) {
-        for (corners, normal) in sides.iter().flat_map(|&side| polygons(body, side)) {
+        for face in sides.iter().flat_map(|&side| body.domain.faces(side)) {
+            let (corners, normal) = (corners(&face), face.normal);
             let opacity = if ink == Ink::Traction { 0.07 } else { 0.35 };
             sketch.areas.push((corners.iter().map(|&x| flat(x)).collect(), ink, opacity));
             for (i, &p) in corners.iter().enumerate() {
@@ -374,6 +361,7 @@ fn in_space(scene: &Scene, body: &ContactScene) -> Sketch {
         }
     }
     let mut outline = Vec::new();
+    let imported = matches!(body.domain.shape, Shape::Refined(_));
     for ([p, q], beside) in edges.into_values() {
         let (first, others) = (beside[0], &beside[1..]);
         let flat_there = |other: &Beside| {
@@ -381,11 +369,9 @@ fn in_space(scene: &Scene, body: &ContactScene) -> Sketch {
             apart < SAME && first.1 == other.1
         };
         let crease = !others.iter().all(flat_there);
-        if !crease && !is_imported(body) {
-            continue;
-        }
         let seen = beside.iter().any(|(normal, _)| dot(*normal, EYE) > 0.0);
-        if !crease && !seen {
+        // Flat edges are drawn where the eye sees them on a mesh from a file.
+        if !(crease || seen && imported) {
             continue;
         }
         let ink = if seen && crease { Ink::Edge } else { Ink::Thin };
@@ -398,9 +384,10 @@ fn in_space(scene: &Scene, body: &ContactScene) -> Sketch {
             outline.push((0..=ALONG).map(at).collect());
         }
     }
-    let of_side = |&side: &Side| polygons(body, side).into_iter().map(move |one| (side, one));
-    let contact = body.domain.contact.iter().flat_map(of_side);
-    let surfaces: Vec<Surface> = contact.map(closed).collect();
+    let surfaces = surfaces(body, |face| {
+        let corners = corners(face);
+        [&corners[..], &corners[..1]].concat()
+    });
     moved(scene, body, (&outline, &surfaces), flat, &mut sketch);
     sketch
 }
