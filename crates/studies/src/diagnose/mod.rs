@@ -254,7 +254,10 @@ fn run((variant, mut outcome): Trial, prepare: &Prepare<'_>) -> Outcome {
     let shown = run_cases(variant, prepare, |setup, cases, verdicts| {
         if !asks_for_order {
             exactness(setup, cases, &mut outcome)?;
-        } else if let Some(worst) = verdicts.iter().max_by_key(|of| badness(of.decision)) {
+        } else if let Some(worst) = [Decision::Fail, Decision::Unresolved, Decision::Pass]
+            .into_iter()
+            .find_map(|decision| verdicts.iter().rfind(|of| of.decision == decision))
+        {
             outcome.decision = worst.decision;
             outcome.claim = order(worst, &outcome.name, worst.decision);
         }
@@ -272,14 +275,6 @@ fn run((variant, mut outcome): Trial, prepare: &Prepare<'_>) -> Outcome {
     };
     outcome.claim.note = format!("not run: {}", said.lines().next().unwrap_or_default());
     outcome
-}
-
-fn badness(decision: Decision) -> u8 {
-    match decision {
-        Decision::Pass => 0,
-        Decision::Unresolved => 1,
-        Decision::Fail => 2,
-    }
 }
 
 /// Of elasticity and loads the one that is not at fault: what solves the equations of its 𝒜 under

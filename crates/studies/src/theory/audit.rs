@@ -568,11 +568,7 @@ pub fn audit_under(
     let unconstrained = !setup.body.has_gap();
     let theorem = if unconstrained { "Theorems 10 and 11 (K = X)" } else { "Theorem 10" };
     // The rule's word in scene files.
-    let rule = match setup.rule() {
-        BoundaryRule::Vertex => "vertex",
-        BoundaryRule::Gauss => "gauss",
-        BoundaryRule::Exact => "exact",
-    };
+    let rule = format!("{:?}", setup.rule()).to_lowercase();
     let scene = &setup.scene;
     let title = (Chapter::Audit, format!("Checklist: {}", scene.name));
     let mut findings = Findings::new(title, Some([&scene.name, &scene.source.hash]), claims);

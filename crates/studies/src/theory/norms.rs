@@ -47,12 +47,12 @@ pub(super) fn remembered<const S: usize>(
 
 /// ‖Σ ℬ_i ε(v_i)‖_ℋ of nodal vectors, one per term of the memory.
 pub fn stress_norm(space: &Discretization, terms: &[MemoryTerm], v: &[Vec<f64>]) -> f64 {
-    fn sum<const S: usize>(space: &Discretization, terms: &[MemoryTerm], v: &[Vec<f64>]) -> f64 {
+    let square: f64 = in_dimension!(space.mesh.dimension, D, S => {
         let square = |at: StrainPoint<'_>| {
             let stress = remembered::<S>(space, terms, &at, |i| at.strain(&v[i]));
             at.weight * contract(&stress, &stress)
         };
         space.points().map(square).sum()
-    }
-    in_dimension!(space.mesh.dimension, D, S => sum::<S>(space, terms, v)).sqrt()
+    });
+    square.sqrt()
 }
