@@ -86,14 +86,13 @@ impl Ladder {
             list.sort_unstable();
             list.dedup();
         }
-        let runs: Vec<[u32; 2]> = match along {
-            Direction::H => {
-                steps.last().map_or_else(Vec::new, |&last| ns.iter().map(|&n| [n, last]).collect())
-            }
-            _ => {
-                ns.first().map_or_else(Vec::new, |&n| steps.iter().map(|&last| [n, last]).collect())
-            }
-        };
+        // In h with the most steps, in k on the coarsest mesh.
+        match along {
+            Direction::H => steps = steps.split_off(steps.len().saturating_sub(1)),
+            _ => ns.truncate(1),
+        }
+        let runs = ns.iter().flat_map(|&n| steps.iter().map(move |&steps| [n, steps]));
+        let runs: Vec<[u32; 2]> = runs.collect();
         if runs.len() < RUNS {
             return Err(StudyError::other(format!(
                 "`{}` has {} runs with companions for a ladder in {}, and an order needs {RUNS}: give --n and --steps, multiples of {SPAN}",
