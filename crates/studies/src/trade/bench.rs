@@ -72,7 +72,6 @@ impl Trial {
 
 /// A mesh with its loads, and the CPU seconds that it took.
 pub(super) struct Meshed {
-    pub n: u32,
     pub data: MeshData,
     seconds: f64,
 }
@@ -81,7 +80,7 @@ impl Meshed {
     pub(super) fn new(setup: &Setup, n: u32) -> Result<Self, SetupError> {
         let clock = ThreadTime::now();
         let data = MeshData::new(setup, n, None)?;
-        Ok(Self { n, data, seconds: clock.elapsed().as_secs_f64() })
+        Ok(Self { data, seconds: clock.elapsed().as_secs_f64() })
     }
 
     /// A march that shows its levels to `keep`, and the CPU seconds of mesh and march without those of `keep`.
@@ -264,22 +263,13 @@ const RATE: f64 = 3e-6;
 /// No mesh coarser than this, no fewer steps.
 const LEAST: u32 = 2;
 
-/// The grid of a trade: what is asked for, else that of the scene.
+/// The grid of a trade: what is asked for, else the lists of the scene, completed by halves (or doubles) up to three levels,
+/// and without their finest levels while all runs are above what `budget` seconds bear at `RATE`.
 pub(super) fn trade_grid(
     setup: &Setup,
-    n: &Option<Vec<u32>>,
-    steps: &Option<Vec<u32>>,
+    asked: [&Option<Vec<u32>>; 2],
     budget: f64,
 ) -> Result<[Vec<u32>; 2], SetupError> {
-    let [own, own_steps] = scene_grid(setup, budget)?;
-    let grid = [n.clone().unwrap_or(own), steps.clone().unwrap_or(own_steps)].map(sorted);
-    setup.scene.check_cases(&grid[0], &grid[1])?;
-    Ok(grid)
-}
-
-/// The lists of a scene, completed by halves (or doubles) up to three levels, and without their finest levels while all runs
-/// are above what `budget` seconds bear at `RATE`.
-fn scene_grid(setup: &Setup, budget: f64) -> Result<[Vec<u32>; 2], SetupError> {
     let scene = &setup.scene;
     let (listed_n, listed_steps) = match &scene.sweep {
         Some(sweep) => (sweep.n.clone(), sweep.steps.clone()),
@@ -304,13 +294,17 @@ fn scene_grid(setup: &Setup, budget: f64) -> Result<[Vec<u32>; 2], SetupError> {
         let long = grid.iter_mut().find(|list| list.len() > LEVELS);
         match long.filter(|_| RATE * unknowns * levels > budget) {
             Some(list) => list.pop(),
-            None => return Ok(grid),
+            None => break,
         };
     }
+    let given = grid.iter_mut().zip(asked);
+    given.for_each(|(own, asked)| *own = sorted(asked.as_ref().unwrap_or(own).clone()));
+    scene.check_cases(&grid[0], &grid[1])?;
+    Ok(grid)
 }
 
 /// Meshes on which `other` has about as many nodes as the element of `scene` on each of `n`: at least three, as in
-/// [`scene_grid`], where the domain has them.
+/// [`trade_grid`], where the domain has them.
 pub(super) fn element_meshes(scene: &Scene, n: &[u32], other: Element) -> Vec<u32> {
     let degree = scene.as_contact().map_or(1, |body| body.element.degree());
     let nodes = |&n: &u32| (n * degree as u32).div_ceil(other.degree() as u32).max(LEAST);

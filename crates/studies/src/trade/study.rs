@@ -60,8 +60,8 @@ pub fn trade(
 ) -> Result<(Findings, Option<NoAnswer>), StudyError> {
     let Trade { setup, wanted, limit, .. } = asked;
     let changes = changes(setup);
-    let [n, steps] =
-        trade_grid(setup, &asked.n, &asked.steps, asked.budget / changes.len() as f64)?;
+    let budget = asked.budget / changes.len() as f64;
+    let [n, steps] = trade_grid(setup, [&asked.n, &asked.steps], budget)?;
     let mut bench = Bench::new(setup, wanted.norm)?;
     let mut settings: Vec<Setting> = Vec::new();
     for change in changes {

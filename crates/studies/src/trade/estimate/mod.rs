@@ -422,7 +422,7 @@ fn run(
     watch: &mut Observer<'_>,
 ) -> Result<Run, CaseError> {
     let refused = |error: ReferenceError| LoadError::Reference { reason: error.to_string() };
-    let (n, space) = (mesh.n, &mesh.data.space);
+    let (n, space) = (mesh.data.space.mesh.n, &mesh.data.space);
     let refinement = finer.map(|finer| finer.refinement(space)).transpose().map_err(refused)?;
     let stride = stride(steps, finest) as usize;
     let mut kept = ReferenceRun::new(space.clone());
