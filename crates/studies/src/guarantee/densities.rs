@@ -2,31 +2,13 @@
 //! manufactured solution adds to the contact pressure.
 
 use super::equilibrium::{Edges, Equilibrium, Given, Linear};
-use fem::contact::{CaseError, Discretization, Model, StepView};
+use crate::study::{Result, StudyError};
+use fem::contact::{Discretization, Model, StepView};
 use fem::space::quadrature::{Rule, edge, gauss_legendre, triangle_degree_8};
 use formula::{BoundProgram, Graph, Node, Program};
 use scene::Data;
-use scene::setup::{Setup, SetupError, side_numbers};
+use scene::setup::{Setup, side_numbers};
 use vhi::law::{Potential, TensorField};
-
-/// Why there is no bound.
-#[derive(Debug, thiserror::Error)]
-pub enum GuaranteeError {
-    #[error("no guaranteed bound: {reason}")]
-    Refused { reason: String },
-    #[error("no guaranteed bound: {what} is not finite at t = {t}")]
-    NotFinite { what: &'static str, t: f64 },
-    #[error(transparent)]
-    Setup(#[from] SetupError),
-    #[error(transparent)]
-    Case(#[from] CaseError),
-}
-
-impl GuaranteeError {
-    pub(super) fn refused(reason: impl Into<String>) -> Self {
-        Self::Refused { reason: reason.into() }
-    }
-}
 
 /// Gauss points on an edge.
 const ON_EDGES: usize = 8;
@@ -92,12 +74,8 @@ impl Densities {
     /// Binds the formulas of the scene.
     ///
     /// # Errors
-    /// [`GuaranteeError::Refused`] for loads that have no density.
-    pub(super) fn new(
-        setup: &Setup,
-        space: &Discretization,
-        edges: &Edges,
-    ) -> Result<Self, GuaranteeError> {
+    /// [`StudyError::NoBound`] for loads that have no density.
+    pub(super) fn new(setup: &Setup, space: &Discretization, edges: &Edges) -> Result<Self> {
         let (inside, outside) = (triangle_degree_8(), edge(ON_EDGES));
         let mesh = &space.mesh;
         let cells = (0..mesh.cell_count()).map(|c| mesh.cell(c));
@@ -130,7 +108,7 @@ impl Densities {
                 compile(graph.clone(), body).bind(&points)
             }
             (Data::Exact { interpolated: true, .. }, _) | (_, None) => {
-                return Err(GuaranteeError::refused(
+                return Err(StudyError::no_bound(
                     "the loads are those of an interpolant on each mesh and have no density",
                 ));
             }
@@ -156,13 +134,8 @@ impl Densities {
     /// The loads at t.
     ///
     /// # Errors
-    /// [`GuaranteeError::NotFinite`].
-    pub(super) fn at(
-        &mut self,
-        space: &Discretization,
-        edges: &Edges,
-        t: f64,
-    ) -> Result<Loads, GuaranteeError> {
+    /// A formula that is not finite.
+    pub(super) fn at(&mut self, space: &Discretization, edges: &Edges, t: f64) -> Result<Loads> {
         let body = finite(&mut self.body, t, "f0")?;
         let count = self.inside.weights.len();
         let (mut linear, mut rough_cells) = (Vec::new(), Vec::new());
@@ -193,15 +166,14 @@ impl Densities {
 }
 
 /// The two components at the points of a program.
-fn finite(
-    program: &mut BoundProgram,
-    t: f64,
-    what: &'static str,
-) -> Result<Vec<Vec<f64>>, GuaranteeError> {
+fn finite(program: &mut BoundProgram, t: f64, what: &'static str) -> Result<Vec<Vec<f64>>> {
     let values = program.values_at(t, 0.0);
     match values.iter().flatten().all(|value| value.is_finite()) {
         true => Ok(values),
-        false => Err(GuaranteeError::NotFinite { what, t }),
+        false => {
+            let what = format!("no guaranteed bound: {what} is not finite at t = {t}");
+            Err(StudyError::Other(what))
+        }
     }
 }
 

@@ -26,10 +26,9 @@ mod tests;
 
 use std::sync::Arc;
 
-pub use self::densities::GuaranteeError;
-
 use self::densities::Densities;
 use self::equilibrium::{Equilibrium, Stress, Triangle};
+use crate::study::{Result, StudyError};
 use algebra::linalg::larger;
 use algebra::tensor::contract;
 use exact::{Exact, Status, check};
@@ -95,7 +94,7 @@ impl Guarantee {
 ///
 /// # Errors
 /// A scene that the theorem does not cover, a bound that is infinite, errors of the run.
-pub fn guarantee(setup: &Setup, n: u32, steps: u32) -> Result<Guarantee, GuaranteeError> {
+pub fn guarantee(setup: &Setup, n: u32, steps: u32) -> Result<Guarantee> {
     let data = MeshData::new(setup, n, None)?;
     let mut bounding = Bounding::new(setup, &data, steps)?;
     data.march(setup, steps, &Newton::default(), &mut |view| {
@@ -116,7 +115,7 @@ pub struct Bounding<'a> {
     /// What the stress in equilibrium is to be near to.
     of_cell: OfCell,
     found: Vec<BoundedLevel>,
-    failed: Option<GuaranteeError>,
+    failed: Option<StudyError>,
 }
 
 /// Bytes beside those of the run, by measurements on meshes of n = 32 to 128: the factor, whose entries a cell grow as the
@@ -131,7 +130,7 @@ pub(crate) fn bytes(setup: &Setup, space: &Discretization) -> f64 {
 }
 
 /// The hypotheses of the theorem that a scene can fail before it is solved.
-fn covered(setup: &Setup) -> Result<(), GuaranteeError> {
+fn covered(setup: &Setup) -> Result<()> {
     let scene = &setup.scene;
     let model = &setup.model;
     let falls = model.boundary.iter().any(|b| b.potential.alpha() > 0.0);
@@ -149,17 +148,17 @@ fn covered(setup: &Setup) -> Result<(), GuaranteeError> {
         (falls, "the law on Γ3 falls somewhere, so the problem is not convex"),
     ];
     let reason = beyond.into_iter().find_map(|(is, reason)| is.then_some(reason));
-    reason.map_or(Ok(()), |reason| Err(GuaranteeError::refused(reason)))
+    reason.map_or(Ok(()), |reason| Err(StudyError::no_bound(reason)))
 }
 
 /// f0 and the tractions of an exact solution are all of its load: a stress that jumps inside the body has a part of it on a
 /// line, which no density holds.
-fn has_densities(setup: &Setup) -> Result<(), GuaranteeError> {
+fn has_densities(setup: &Setup) -> Result<()> {
     let Some(exact) = &setup.exact else { return Ok(()) };
     let mut findings = check(exact, &sides(&setup.body)).into_iter();
     let of_loads = |subject: &str| ["loads", "stress jump"].contains(&subject);
     let other = findings.find(|found| of_loads(&found.subject) && found.status != Status::Verified);
-    other.map_or(Ok(()), |finding| Err(GuaranteeError::refused(finding.text)))
+    other.map_or(Ok(()), |finding| Err(StudyError::no_bound(finding.text)))
 }
 
 /// A stress on one cell.
@@ -181,7 +180,7 @@ impl<'a> Bounding<'a> {
     ///
     /// # Errors
     /// A scene that the theorem does not cover.
-    pub fn new(setup: &'a Setup, data: &'a MeshData, steps: u32) -> Result<Self, GuaranteeError> {
+    pub fn new(setup: &'a Setup, data: &'a MeshData, steps: u32) -> Result<Self> {
         covered(setup)?;
         has_densities(setup)?;
         let (space, elasticity) = (&*data.space, &setup.model.elasticity);
@@ -213,11 +212,11 @@ impl<'a> Bounding<'a> {
     ///
     /// # Errors
     /// A bound that is infinite.
-    pub fn finish(self) -> Result<Guarantee, GuaranteeError> {
+    pub fn finish(self) -> Result<Guarantee> {
         self.failed.map_or(Ok(Guarantee { levels: self.found }), Err)
     }
 
-    fn add(&mut self, view: &StepView<'_>) -> Result<(), GuaranteeError> {
+    fn add(&mut self, view: &StepView<'_>) -> Result<()> {
         let (space, model) = (self.space, self.model);
         let elasticity = &model.elasticity;
         let start = |c: usize| (self.of_cell)(space, model, view, c);
@@ -260,12 +259,12 @@ impl<'a> Bounding<'a> {
     }
 
     /// The larger zero of (1 - β_nn) e² - a e - G, a = `estimate` + Σ_{j<n} β_nj e_j.
-    fn bound(&self, n: usize, estimate: f64, gap: f64) -> Result<f64, GuaranteeError> {
+    fn bound(&self, n: usize, estimate: f64, gap: f64) -> Result<f64> {
         let weights = weights(self.model, &self.grid, n);
         let last = weights.last().copied().unwrap_or(0.0);
         let t = self.grid.time(n);
         if last.is_nan() || last >= 1.0 {
-            return Err(GuaranteeError::refused(format!(
+            return Err(StudyError::no_bound(format!(
                 "the memory of the step that ends at t = {t} has the weight {last:.2}, which must be below 1: take smaller steps"
             )));
         }
@@ -275,7 +274,7 @@ impl<'a> Bounding<'a> {
         let keep = 1.0 - last;
         let bound = (linear + (linear * linear + 4.0 * keep * gap).sqrt()) / (2.0 * keep);
         if !bound.is_finite() {
-            return Err(GuaranteeError::refused(format!(
+            return Err(StudyError::no_bound(format!(
                 "at t = {t} the computed u_ν exceeds the gap between nodes, or the law never has the computed pressure"
             )));
         }
@@ -284,10 +283,10 @@ impl<'a> Bounding<'a> {
 }
 
 /// Why equilibrium is not found, with what may be the cause of it.
-fn unbalanced(what: String, elasticity: &TensorField) -> GuaranteeError {
+fn unbalanced(what: String, elasticity: &TensorField) -> StudyError {
     let (least, largest) = elasticity.eigenvalues(2);
     let ratio = largest / least;
-    GuaranteeError::refused(format!("{what}; the largest stiffness is {ratio:.1e} times the least"))
+    StudyError::no_bound(format!("{what}; the largest stiffness is {ratio:.1e} times the least"))
 }
 
 /// (𝒜ε(v), ε(v))^{1/2} of a nodal vector.

@@ -286,7 +286,7 @@ fn compare(
                 .map(|truth| step_errors(space, &setup.model, view, &truth).v.max(largest));
         }
     };
-    let found = companions(setup, n, steps, &mut watch).map_err(StudyError::other)?;
+    let found = companions(setup, n, steps, &mut watch)?;
     let mut run = Run {
         n,
         steps,
@@ -294,7 +294,7 @@ fn compare(
             Direction::K => setup.grid(steps).largest_step(),
             _ => 1.0 / f64::from(n),
         },
-        error: error.map_err(StudyError::other)?,
+        error: error?,
         size: found.size,
         estimate: None,
         estimate_over_error: None,

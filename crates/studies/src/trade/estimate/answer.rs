@@ -5,7 +5,7 @@ use super::super::{SPAN, Wanted};
 use super::{
     Companions, Estimate, NormDifferences, Part, RunTime, Watch, companions, norm_estimate,
 };
-use crate::guarantee::GuaranteeError;
+use crate::study::StudyError;
 use judge::fit::Interval;
 use report::{Chapter, StudyDocument};
 use run::sweep::MemoryLimit;
@@ -31,7 +31,7 @@ pub fn estimate(
     wanted: Wanted,
     limit: &MemoryLimit,
     watch: &mut Watch<'_>,
-) -> Result<Estimated, GuaranteeError> {
+) -> Result<Estimated, StudyError> {
     let found = companions(setup, n, steps, watch)?;
     let of = |of: &NormDifferences| json_of(&found, of.norm, &norm_estimate(setup, &found, of));
     let norms: Vec<Value> = found.norms.iter().map(of).collect();

@@ -16,8 +16,9 @@ use std::collections::BTreeMap;
 
 use super::SPAN;
 use super::bench::Meshed;
-use crate::guarantee::{self, Bounding, Guarantee, GuaranteeError};
+use crate::guarantee::{self, Bounding, Guarantee};
 use crate::solution::FinalState;
+use crate::study::StudyError;
 use fem::contact::{CaseError, Discretization, Floors, LevelFields, LoadError, Observer, StepView};
 use fem::norms::{ReferenceError, ReferenceRun, step_errors};
 use judge::fit::{FLOORS_ABOVE, Interval, Triple, ValueSample};
@@ -294,17 +295,16 @@ pub fn companions(
     n: u32,
     steps: u32,
     watch: &mut Watch<'_>,
-) -> Result<Companions, GuaranteeError> {
+) -> Result<Companions, StudyError> {
     let mesh = Meshed::new(setup, n)?;
     let mut bounding = Bounding::new(setup, &mesh.data, steps);
     let finest = run(setup, &mesh, [steps, steps], None, &mut |view| {
         bounding.iter_mut().for_each(|bounding| bounding.see(view));
         watch(&mesh.data.space, view);
         Ok(())
-    });
-    let finest = finest.map_err(SetupError::from)?;
+    })?;
     let bound = match bounding.and_then(Bounding::finish) {
-        Err(GuaranteeError::Refused { reason }) => Err(reason),
+        Err(StudyError::NoBound(reason)) => Err(reason),
         found => Ok(found?),
     };
     drop(mesh);
