@@ -30,14 +30,13 @@ const MOST_STEPS: u32 = 1024;
 /// # Errors
 /// [`StudyError`].
 pub fn of_scene(scene: Scene, asked: &Asked) -> Result<Findings> {
-    let sweep = scene.sweep.as_ref();
-    let n = asked.mesh().or_else(|| sweep.and_then(|sweep| sweep.n.first().copied()));
-    let admitted =
-        |list: &Vec<u32>| list.iter().copied().filter(|&steps| steps <= MOST_STEPS).collect();
-    let steps = asked.steps.clone().or_else(|| sweep.map(|sweep| admitted(&sweep.steps)));
-    let Some(mut steps) = steps.filter(|steps| !steps.is_empty()) else {
+    let mut own = scene.sweep.clone().unwrap_or_default();
+    own.steps.retain(|steps| *steps <= MOST_STEPS);
+    let n = asked.mesh().or(own.n.first().copied());
+    let mut steps = asked.steps.clone().unwrap_or(own.steps);
+    if steps.is_empty() {
         return Err(StudyError::other("no numbers of steps: give --steps 16,32,64"));
-    };
+    }
     steps.sort_unstable();
     steps.dedup();
     if let Some(n) = n.filter(|_| scene.as_contact().is_some()) {
@@ -50,7 +49,41 @@ pub fn of_scene(scene: Scene, asked: &Asked) -> Result<Findings> {
     if let (Subject::Contact(setup), Some(n)) = (&subject, n) {
         study_runs(setup, n, &steps).admit(&asked.limit)?;
     }
-    study(&subject, n, &steps)
+    let scene = subject.scene();
+    let in_time = prepare(&subject, n, &steps)?;
+    let measured = |&steps: &u32| Bounded::new("time".into(), in_time.measure(steps)?);
+    let grids = steps.iter().map(measured).collect::<Result<Vec<_>, _>>()?;
+    let finest = steps.last().copied().unwrap_or(1);
+    let perturbed = perturbations(&*in_time, finest)?;
+    let mut claims: Vec<Claim> = grids.iter().flat_map(|run| run.claims(n)).collect();
+    claims.extend(perturbed.iter().map(|run| stability(run, n)));
+    let title = (Chapter::Gronwall, format!("Envelopes: {}", scene.name));
+    let mut findings = Findings::new(title, Some([&scene.name, &scene.source.hash]), claims);
+    let all = grids.iter().chain(&perturbed);
+    let keys = "part,steps,k,n,t,error,g_zeta,g_memory,source,weighted,primed,closed,printed,printed_closed";
+    findings.tables.push((".csv", keys, all.flat_map(Bounded::levels).collect()));
+    findings.number("n", n);
+    findings.number("truth", in_time.truth());
+    let mesh = n.map_or_else(String::new, |n| format!(", n = {n}"));
+    if let Some(run) = grids.last() {
+        let shows = "measured error and the envelopes of (3.24) over t (sweep gronwall).";
+        findings.document.figure("gronwall-envelope", shows, over_time(&scene.name, &mesh, run));
+    }
+    findings.document.words(format!("The truth is{mesh}: {}.", in_time.truth()));
+    findings.table(
+        "grids",
+        grids.iter().map(grid_row).collect::<Vec<_>>(),
+        "Bound over error at t = T for N steps; e and g at T; the bounds as printed need C₂k < 1.",
+        ">N = steps; >C₂k = C2_k 6; >e_N = error_end; >g_N = truncation_end; >weighted = effectivity/weighted/at_end 7; \
+         >primed = effectivity/primed/at_end 7; >closed = effectivity/closed/at_end 7; \
+         >printed = effectivity/printed/at_end 7; >(3.24) = effectivity/printed_closed/at_end 7",
+    );
+    let constants = in_time.constants();
+    findings.number("constants", constants.iter().copied().collect::<BTreeMap<_, _>>());
+    let rows = constants.iter().map(|(name, value)| json!({ "name": name, "value": value }));
+    let columns = "constant = name formula; >value = value 7";
+    findings.document.rows("Constants of the inequality.", &rows.collect(), columns);
+    Ok(findings)
 }
 
 /// A run with its bounds.
@@ -100,48 +133,6 @@ impl Bounded {
         };
         (0..=grid.steps()).map(level).collect()
     }
-}
-
-/// Runs everything on the mesh n, none for abstract scenes, with these numbers of steps.
-///
-/// # Errors
-/// [`StudyError`].
-fn study(subject: &Subject, n: Option<u32>, steps: &[u32]) -> Result<Findings> {
-    let scene = subject.scene();
-    let in_time = prepare(subject, n, steps)?;
-    let measured = |&steps: &u32| Bounded::new("time".into(), in_time.measure(steps)?);
-    let grids = steps.iter().map(measured).collect::<Result<Vec<_>, _>>()?;
-    let finest = steps.iter().copied().max().unwrap_or(1);
-    let perturbed = perturbations(&*in_time, finest)?;
-    let mut claims: Vec<Claim> = grids.iter().flat_map(|run| run.claims(n)).collect();
-    claims.extend(perturbed.iter().map(|run| stability(run, n)));
-    let title = (Chapter::Gronwall, format!("Envelopes: {}", scene.name));
-    let mut findings = Findings::new(title, Some([&scene.name, &scene.source.hash]), claims);
-    let all = grids.iter().chain(&perturbed);
-    let keys = "part,steps,k,n,t,error,g_zeta,g_memory,source,weighted,primed,closed,printed,printed_closed";
-    findings.tables.push((".csv", keys, all.flat_map(Bounded::levels).collect()));
-    findings.number("n", n);
-    findings.number("truth", in_time.truth());
-    let mesh = n.map_or_else(String::new, |n| format!(", n = {n}"));
-    if let Some(run) = grids.iter().max_by_key(|run| run.estimate.grid.steps()) {
-        let shows = "measured error and the envelopes of (3.24) over t (sweep gronwall).";
-        findings.document.figure("gronwall-envelope", shows, over_time(&scene.name, &mesh, run));
-    }
-    findings.document.words(format!("The truth is{mesh}: {}.", in_time.truth()));
-    findings.table(
-        "grids",
-        grids.iter().map(grid_row).collect::<Vec<_>>(),
-        "Bound over error at t = T for N steps; e and g at T; the bounds as printed need C₂k < 1.",
-        ">N = steps; >C₂k = C2_k 6; >e_N = error_end; >g_N = truncation_end; >weighted = effectivity/weighted/at_end 7; \
-         >primed = effectivity/primed/at_end 7; >closed = effectivity/closed/at_end 7; \
-         >printed = effectivity/printed/at_end 7; >(3.24) = effectivity/printed_closed/at_end 7",
-    );
-    let constants = in_time.constants();
-    findings.number("constants", constants.iter().copied().collect::<BTreeMap<_, _>>());
-    let rows = constants.iter().map(|(name, value)| json!({ "name": name, "value": value }));
-    let columns = "constant = name formula; >value = value 7";
-    findings.document.rows("Constants of the inequality.", &rows.collect(), columns);
-    Ok(findings)
 }
 
 fn grid_row(run: &Bounded) -> Value {
