@@ -45,9 +45,14 @@ pub struct FinalState {
     pub min_normal_gap: Option<f64>,
     /// Largest u_ν on Γ3; null without Γ3.
     pub max_normal_displacement: Option<f64>,
-    /// Where Γ3 is under pressure.
-    #[serde(flatten)]
-    pub pressed: PressedZone,
+    /// Half of the length of Γ3 on which ξ + λ > 0, each vertex with its share of the edges (plane scenes; null in
+    /// space). It changes by whole cells.
+    pub contact_half_width: Option<f64>,
+    /// Largest ξ + λ; null without Γ3.
+    pub peak_pressure: Option<f64>,
+    /// √(∫ p |x - x̄|² / ∫ p), x̄ the centre of pressure p = ξ + λ > 0: half of the half-width under Hertz's pressure;
+    /// null where there is no pressure.
+    pub pressure_spread: Option<f64>,
     /// [x, y, u_ν] (in 3D [x, y, z, u_ν]) on the vertices of Γ3, along the side.
     pub normal_displacement: Vec<Vec<f64>>,
     /// [x, y, ξ] (in 3D [x, y, z, ξ]) at the same vertices: the selection ξ ∈ ∂j_ν(u_ν - s).
@@ -65,8 +70,17 @@ pub struct FinalState {
 impl FinalState {
     /// The quantities of the level that `view` shows.
     pub fn new(space: &Discretization, model: &Model, view: &StepView<'_>) -> Self {
-        let (elastic_energy, yielding_elements) =
-            in_dimension!(space.mesh.dimension, D, S => over_cells::<S>(space, model, view));
+        let (mut elastic_energy, mut yielding_elements) = (0.0, 0);
+        in_dimension!(space.mesh.dimension, D, S => {
+            for at in space.points() {
+                let strain = at.strain::<S>(view.u);
+                let stress = model.elasticity.on(space.region(at.cell)).apply(&strain);
+                elastic_energy += 0.5 * at.weight * contract(&stress, &strain);
+            }
+            for c in 0..space.mesh.cell_count() {
+                yielding_elements += usize::from(view.yields::<S>(space, model, c));
+            }
+        });
         let (min_uy, min_uy_vertex) = lowest(space, view);
         let mut state = Self {
             element: space.element.name(),
@@ -76,7 +90,6 @@ impl FinalState {
             yielding_elements,
             min_uy,
             min_uy_vertex,
-            pressed: PressedZone::new(space, view),
             friction_force: vec![0.0; space.mesh.dimension],
             ..Self::default()
         };
@@ -102,11 +115,22 @@ impl FinalState {
 
     fn add_trace(&mut self, space: &Discretization, model: &Model, view: &StepView<'_>) {
         let d = space.mesh.dimension;
+        let (mut length, mut force, mut first, mut second) = (0.0, 0.0, [0.0; 3], 0.0);
         for (i, point) in space.trace.points.iter().enumerate() {
-            let normal = space.trace.normal(i, view.u);
+            let (normal, x) =
+                (space.trace.normal(i, view.u), space.mesh.point(&[point.vertex], &[1.0]));
             self.compliance_force += point.weight * view.compliance[i];
             self.multiplier_force += point.weight * view.multiplier[i];
-            let gap = model.gap(point.side, space.mesh.point(&[point.vertex], &[1.0]), view.t);
+            let pressure = view.compliance[i] + view.multiplier[i];
+            let peak = self.peak_pressure.unwrap_or(f64::NEG_INFINITY);
+            self.peak_pressure = Some(peak.max(pressure));
+            if pressure > 0.0 {
+                length += point.weight;
+                force += point.weight * pressure;
+                second += point.weight * pressure * x.iter().map(|x| x * x).sum::<f64>();
+                (0..3).for_each(|a| first[a] += point.weight * pressure * x[a]);
+            }
+            let gap = model.gap(point.side, x, view.t);
             self.locked_vertices += usize::from(is_locked(normal, gap));
             if gap.is_finite() {
                 let smallest = self.min_normal_gap.unwrap_or(f64::INFINITY);
@@ -122,7 +146,7 @@ impl FinalState {
             self.normal_displacement.push(row(normal));
             self.compliance_pressure.push(row(view.compliance[i]));
             if let Some(boundary) = model.boundary_on(point.side).filter(|_| point.carries()) {
-                let r = normal - (boundary.shift)(space.mesh.point(&[point.vertex], &[1.0]));
+                let r = normal - (boundary.shift)(x);
                 let mut jumps = boundary.potential.jumps().iter();
                 let at_jump = jumps.any(|jump| (r - jump).abs() <= AT_JUMP * jump.abs().max(1.0));
                 self.jump_vertices += usize::from(at_jump);
@@ -131,6 +155,12 @@ impl FinalState {
         along_the_side(&mut self.normal_displacement);
         along_the_side(&mut self.compliance_pressure);
         self.contact_force = self.compliance_force + self.multiplier_force;
+        let plane = d == 2 && !space.trace.points.is_empty();
+        self.contact_half_width = plane.then_some(0.5 * length);
+        if force > 0.0 {
+            let centre: f64 = first.iter().map(|moment: &f64| (moment / force).powi(2)).sum();
+            self.pressure_spread = Some((second / force - centre).max(0.0).sqrt());
+        }
     }
 }
 
@@ -145,23 +175,6 @@ fn along_the_side(rows: &mut [Vec<f64>]) {
     });
 }
 
-fn over_cells<const S: usize>(
-    space: &Discretization,
-    model: &Model,
-    view: &StepView<'_>,
-) -> (f64, usize) {
-    let (mut energy, mut yielding) = (0.0, 0);
-    for at in space.points() {
-        let strain = at.strain::<S>(view.u);
-        let stress = model.elasticity.on(space.region(at.cell)).apply(&strain);
-        energy += 0.5 * at.weight * contract(&stress, &strain);
-    }
-    for c in 0..space.mesh.cell_count() {
-        yielding += usize::from(view.yields::<S>(space, model, c));
-    }
-    (energy, yielding)
-}
-
 /// Smallest u_y and its vertex; of equal values the first vertex in mesh order.
 fn lowest(space: &Discretization, view: &StepView<'_>) -> (f64, Vec<f64>) {
     let (d, values) = (space.mesh.dimension, space.at_vertices(view.u));
@@ -169,49 +182,6 @@ fn lowest(space: &Discretization, view: &StepView<'_>) -> (f64, Vec<f64>) {
     let lower = |best: (f64, u32), next: (f64, u32)| if next.0 < best.0 { next } else { best };
     let best = heights.fold((f64::INFINITY, 0), lower);
     (best.0, space.mesh.vertex(best.1).to_vec())
-}
-
-// The zone of Γ3 under pressure: its extent and its largest pressure.
-
-/// Quantities of the pressure ξ + λ at the points of Γ3; the field names are JSON keys.
-#[derive(Debug, Clone, Copy, Default, Serialize)]
-pub struct PressedZone {
-    /// Half of the length of Γ3 on which ξ + λ > 0, each vertex with its share of the edges (plane scenes; null in
-    /// space). It changes by whole cells.
-    pub contact_half_width: Option<f64>,
-    /// Largest ξ + λ; null without Γ3.
-    pub peak_pressure: Option<f64>,
-    /// √(∫ p |x - x̄|² / ∫ p), x̄ the centre of pressure p = ξ + λ > 0: half of the half-width under Hertz's pressure;
-    /// null where there is no pressure.
-    pub pressure_spread: Option<f64>,
-}
-
-impl PressedZone {
-    /// Of the level that `view` shows.
-    pub(super) fn new(space: &Discretization, view: &StepView<'_>) -> Self {
-        let (mut zone, mut length) = (Self::default(), 0.0);
-        let (mut force, mut first, mut second) = (0.0, [0.0; 3], 0.0);
-        for (i, point) in space.trace.points.iter().enumerate() {
-            let pressure = view.compliance[i] + view.multiplier[i];
-            let peak = zone.peak_pressure.unwrap_or(f64::NEG_INFINITY);
-            zone.peak_pressure = Some(peak.max(pressure));
-            if pressure > 0.0 {
-                let x = space.mesh.point(&[point.vertex], &[1.0]);
-                length += point.weight;
-                force += point.weight * pressure;
-                second += point.weight * pressure * x.iter().map(|x| x * x).sum::<f64>();
-                (0..3).for_each(|a| first[a] += point.weight * pressure * x[a]);
-            }
-        }
-        if space.mesh.dimension == 2 && !space.trace.points.is_empty() {
-            zone.contact_half_width = Some(0.5 * length);
-        }
-        if force > 0.0 {
-            let centre: f64 = first.iter().map(|moment| (moment / force).powi(2)).sum();
-            zone.pressure_spread = Some((second / force - centre).max(0.0).sqrt());
-        }
-        zone
-    }
 }
 
 // A case as a series of VTU files with a .pvd index, for ParaView.
@@ -247,8 +217,17 @@ impl VtuSeries {
         let mesh = &space.mesh;
         let points: Vec<[f64; 3]> =
             (0..mesh.vertices() as u32).map(|v| mesh.point(&[v], &[1.0])).collect();
-        let (stress, yields) =
-            in_dimension!(mesh.dimension, D, S => cell_fields::<S>(space, model, view));
+        // Mandel (xx, yy, √2 xy) or (xx, yy, zz, √2 yz, √2 xz, √2 xy) to (xx, yy, zz, xy, yz, xz).
+        let half = std::f64::consts::FRAC_1_SQRT_2;
+        let (mut stress, mut yields) = (Vec::new(), Vec::new());
+        in_dimension!(mesh.dimension, D, S => for c in 0..mesh.cell_count() {
+            stress.extend(match view.stress::<S>(space, model, c)[..] {
+                [xx, yy, zz, yz, xz, xy] => [xx, yy, zz, half * xy, half * yz, half * xz],
+                [xx, yy, xy] => [xx, yy, 0.0, half * xy, 0.0, 0.0],
+                _ => [f64::NAN; 6],
+            });
+            yields.push(f64::from(u8::from(view.yields::<S>(space, model, c))));
+        });
         let displacement = space.at_vertices(view.u);
         let (mut xi, mut lambda) = (vec![0.0; points.len()], vec![0.0; points.len()]);
         for (i, point) in space.trace.points.iter().enumerate() {
@@ -287,25 +266,4 @@ impl VtuSeries {
     pub fn finish(self) -> Result<(), FileError> {
         write_pvd(&self.dir.join(format!("{}.pvd", self.name)), &self.steps)
     }
-}
-
-/// Stress in the component order of ParaView, and 1 where the projection acts.
-fn cell_fields<const S: usize>(
-    space: &Discretization,
-    model: &Model,
-    view: &StepView<'_>,
-) -> (Vec<f64>, Vec<f64>) {
-    // Mandel (xx, yy, √2 xy) or (xx, yy, zz, √2 yz, √2 xz, √2 xy) to (xx, yy, zz, xy, yz, xz).
-    let half = std::f64::consts::FRAC_1_SQRT_2;
-    let (mut stress, mut yields) = (Vec::new(), Vec::new());
-    for c in 0..space.mesh.cell_count() {
-        let s = view.stress::<S>(space, model, c);
-        stress.extend(if S == 3 {
-            [s[0], s[1], 0.0, half * s[2], 0.0, 0.0]
-        } else {
-            [s[0], s[1], s[2], half * s[5], half * s[3], half * s[4]]
-        });
-        yields.push(f64::from(u8::from(view.yields::<S>(space, model, c))));
-    }
-    (stress, yields)
 }

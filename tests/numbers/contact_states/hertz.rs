@@ -45,12 +45,11 @@ pub fn measured(n: u32) -> [f64; 4] {
     .unwrap_or_else(|error| panic!("{error}"));
     let state = last.expect("a last level");
     let found = |value: Option<f64>| value.expect("contact");
-    let pressed = state.pressed;
     [
         state.contact_force,
-        found(pressed.contact_half_width),
-        2.0 * found(pressed.pressure_spread),
-        found(pressed.peak_pressure),
+        found(state.contact_half_width),
+        2.0 * found(state.pressure_spread),
+        found(state.peak_pressure),
     ]
 }
 
