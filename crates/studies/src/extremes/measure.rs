@@ -8,7 +8,7 @@ use super::units::{Unitless, Units, difference};
 use algebra::linalg::largest;
 use exact::{ComplianceRule, InterpolatedOnMesh};
 use fem::norms::strain_error;
-use scene::setup::{AbstractSetup, MeshData, Setup, Subject, check_step_sizes};
+use scene::setup::{MeshData, Setup, Subject, check_step_sizes};
 use scene::{Scene, Source};
 use vhi::{FixedPoint, StepSolver};
 
@@ -139,9 +139,8 @@ fn interpolant(setup: &Setup, data: &MeshData) -> Result<Vec<f64>> {
 fn in_line(text: &str, steps: u32, solver: &dyn StepSolver) -> Result<Measured> {
     let source = Source::from_text("scalar.toml", text.to_owned());
     let scene = Scene::from_source(source).map_err(Unanswered::refused)?;
-    let setup = AbstractSetup::new(scene).map_err(Unanswered::refused)?;
+    let subject = Subject::new(scene).map_err(Unanswered::refused)?;
     // As every sweep does before it runs.
-    let subject = Subject::Abstract(Box::new(setup));
     check_step_sizes(&subject, &[steps]).map_err(Unanswered::refused)?;
     let Subject::Abstract(setup) = subject else { return Err(Unanswered::refused("no body")) };
     let run = setup.run(steps, solver).map_err(Unanswered::refused)?;
