@@ -279,8 +279,9 @@ pub fn claims(bounds: &StepBounds, rungs: &[StepRung], found: &Thresholds) -> Ve
 /// [`StudyError`].
 pub fn study(setup: &Setup, bounds: &StepBounds, n: u32, steps: u32) -> Result<ContractionStudy> {
     let data = MeshData::new(setup, n, None)?;
-    let levels = on_run(setup, &data, steps, |level| ladder::all_levels(level, bounds))?;
-    let mut study = ContractionStudy::of_levels(levels);
+    let (grid, mut load) = (setup.grid(steps), TruthLoad(&*data.truth));
+    let mut level = Evolution::new(&data.space, &setup.model, &grid, &mut load)?;
+    let mut study = ContractionStudy::of_levels(ladder::all_levels(&mut level, bounds)?);
     let worst = study.worst.level;
     at_level(setup, &data, steps, worst, |level, state| study.climb(level, state, bounds))?;
     Ok(study)
@@ -307,22 +308,10 @@ pub fn at_level<T>(
     number: usize,
     see: impl FnOnce(&mut Evolution<'_>, StepState) -> Result<T>,
 ) -> Result<T> {
-    on_run(setup, data, steps, |level| {
-        let state = ladder::run_to(level, number, |_, _, _| Ok(()))?;
-        see(level, state)
-    })
-}
-
-/// Shows a run before its first level.
-fn on_run<T>(
-    setup: &Setup,
-    data: &MeshData,
-    steps: u32,
-    see: impl FnOnce(&mut Evolution<'_>) -> Result<T>,
-) -> Result<T> {
-    let grid = setup.grid(steps);
-    let mut load = TruthLoad(&*data.truth);
-    see(&mut Evolution::new(&data.space, &setup.model, &grid, &mut load)?)
+    let (grid, mut load) = (setup.grid(steps), TruthLoad(&*data.truth));
+    let mut level = Evolution::new(&data.space, &setup.model, &grid, &mut load)?;
+    let state = ladder::run_to(&mut level, number, |_, _, _| Ok(()))?;
+    see(&mut level, state)
 }
 
 // A step-size study in words, tables and a picture.
