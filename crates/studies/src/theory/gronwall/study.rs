@@ -108,14 +108,6 @@ impl Bounded {
         self.envelopes.claims(&self.estimate, &Place { n, steps, level: None, at })
     }
 
-    /// The bound over e_n at every n ≥ 1, none where e_n is not above 20 floors: at T, and the least.
-    fn over_error(&self, bound: &[f64]) -> [Option<f64>; 2] {
-        let Estimate { error, floor, .. } = &self.estimate;
-        let ratio = |n: usize| (error[n] > 20.0 * floor).then(|| bound[n] / error[n]);
-        let last = bound.len().saturating_sub(1);
-        [ratio(last), (1..=last).filter_map(ratio).reduce(f64::min)]
-    }
-
     /// Its rows in the table of levels.
     fn levels(&self) -> Vec<Value> {
         let (e, grid) = (&self.estimate, &self.estimate.grid);
@@ -139,9 +131,12 @@ fn grid_row(run: &Bounded) -> Value {
     let (estimate, [zeta, memory]) = (&run.estimate, &run.estimate.truncation);
     let g: Vec<f64> = zeta.iter().zip(memory).map(|(z, b)| z + b).collect();
     let k = estimate.grid.largest_step();
+    let Estimate { error, floor, .. } = estimate;
+    // A bound over e_n, none where e_n is not above 20 floors: at T, and the least for n ≥ 1.
     let effectivity = run.envelopes.each(|bound| {
-        let [at_end, least] = run.over_error(bound);
-        json!({ "at_end": at_end, "least": least })
+        let ratio = |n: usize| (error[n] > 20.0 * floor).then(|| bound[n] / error[n]);
+        let least = (1..bound.len()).filter_map(ratio).reduce(f64::min);
+        json!({ "at_end": ratio(estimate.grid.steps()), "least": least })
     });
     json!({
         "steps": estimate.grid.steps(),
