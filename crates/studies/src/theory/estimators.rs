@@ -120,7 +120,7 @@ impl Default for Estimators<'_> {
 }
 
 /// One run with what the estimators say of it; files have its numbers.
-#[derive(Serialize)]
+#[derive(Default, Serialize)]
 struct Run {
     n: u32,
     steps: u32,
@@ -296,14 +296,7 @@ fn compare(
         },
         error: error?,
         size: found.size,
-        estimate: None,
-        estimate_over_error: None,
-        no_estimate: None,
-        energy_error: None,
-        bound: None,
-        bound_over_error: None,
-        no_bound: None,
-        claims: Vec::new(),
+        ..Run::default()
     };
     let differences = found.norms.iter().find(|differences| differences.norm == Norm::VMax);
     let estimate = differences.map(|differences| norm_estimate(setup, &found, differences));

@@ -15,7 +15,7 @@ use scene::{Body, Change, ContactQuadrature, ContactScene, Data, LoadForm, Norm,
 use serde::Serialize;
 
 /// One run; numbers that a run which failed has not are NaN.
-#[derive(Debug, Clone, Serialize)]
+#[derive(Debug, Clone, Default, Serialize)]
 pub(super) struct Trial {
     pub n: u32,
     pub steps: u32,
@@ -42,22 +42,7 @@ impl Trial {
     /// A run that was not made.
     pub(super) fn new([n, steps]: [u32; 2], [h, k]: [f64; 2]) -> Self {
         let [error, floor, seconds, load_share] = [f64::NAN; 4];
-        Self {
-            n,
-            steps,
-            h,
-            k,
-            dofs: 0,
-            error,
-            floor,
-            seconds,
-            load_share,
-            history_bytes: 0,
-            newton_iterations: 0,
-            factorizations: 0,
-            reason: None,
-            in_time: None,
-        }
+        Self { n, steps, h, k, error, floor, seconds, load_share, ..Self::default() }
     }
 
     /// n and N.
