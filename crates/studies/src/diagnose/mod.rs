@@ -31,7 +31,7 @@ use scene::setup::{MeshData, Setup, SetupError, Subject};
 use scene::{Body, Data, Direction, Extension, Scene};
 
 /// What a diagnosis found.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Default)]
 pub struct Diagnosis {
     /// Name of the scene, and the fingerprint of its text.
     pub scene: [String; 2],
@@ -64,9 +64,7 @@ pub fn diagnose(
     let mut found = Diagnosis {
         scene: [scene.name.clone(), scene.source.hash.clone()],
         verdicts: run_cases(scene.clone(), prepare, |_, _, verdicts| verdicts)?,
-        outcomes: Vec::new(),
-        finding: None,
-        sentence: String::new(),
+        ..Diagnosis::default()
     };
     let wrongly: Vec<&Verdict> =
         found.verdicts.iter().filter(|verdict| !verdict.as_expected()).collect();

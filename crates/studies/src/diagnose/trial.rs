@@ -20,7 +20,7 @@ use serde::{Serialize, Serializer};
 pub(super) type Trial = (Scene, Outcome);
 
 /// What a trial showed.
-#[derive(Debug, Clone, Serialize)]
+#[derive(Debug, Clone, Default, Serialize)]
 pub struct Outcome {
     /// Name of the variant.
     pub name: String,
@@ -173,10 +173,8 @@ fn trial(
     let outcome = Outcome {
         name: variant.name.clone(),
         terms: words.join(", "),
-        removed: None,
         suspects: kept.iter().copied().chain(shared).collect(),
-        decision: Decision::Unresolved,
-        claim: Claim::default(),
+        ..Outcome::default()
     };
     (variant, outcome)
 }
