@@ -208,13 +208,6 @@ impl Exact {
         self.regions_at(&points)
     }
 
-    /// The region of each of some facets of a mesh, by its centroid.
-    pub fn facet_regions(&self, mesh: &Mesh, facets: &[usize]) -> Vec<usize> {
-        let centroid = vec![1.0 / mesh.dimension as f64; mesh.dimension];
-        let middle = |&f: &usize| mesh.point(mesh.facet(f), &centroid);
-        self.regions_at(&facets.iter().map(middle).collect::<Vec<_>>())
-    }
-
     /// ε and, into `memory`, the histories H_i; `field` gives the outputs of [`Self::interior`] by number.
     #[inline(always)]
     pub fn tensors<const D: usize, T: Number>(
