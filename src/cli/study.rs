@@ -7,7 +7,8 @@ use super::machine::{Common, processors, share_threads};
 use super::{CliError, Scenes, note_groups, print_json, print_text, width};
 use clap::{Arg, ArgAction, Args, Subcommand, value_parser};
 use files::{counted, make_directory};
-use report::{Findings, StudyDocument};
+use report::{Findings, StudyDocument, json_table};
+use serde_json::json;
 use studies::diagnose::{admit_diagnosis, diagnose};
 use studies::extremes::{Ladder, UnderTest, admit, catalogue, climb, found};
 use studies::study::{Asked, Study};
@@ -256,11 +257,8 @@ impl Extremes {
 }
 
 fn listed(ladders: &[Ladder]) -> String {
-    let row = |ladder: &Ladder| {
-        let rungs = ladder.rungs.len().to_string();
-        [ladder.name, ladder.parameter, &rungs, ladder.quantity, ladder.why].map(str::to_owned)
-    };
-    let rows: Vec<Vec<String>> = ladders.iter().map(|ladder| row(ladder).into()).collect();
-    let heads = ["ladder", "parameter", ">rungs", "measured", "expected because"];
-    report::text_table(&heads, &rows, width(WIDTH))
+    let row = |of: &Ladder| json!([of.name, of.parameter, of.rungs.len(), of.quantity, of.why]);
+    let rows = ladders.iter().map(row).collect();
+    let columns = "ladder = 0; parameter = 1; >rungs = 2; measured = 3; expected because = 4";
+    json_table(&rows, columns, width(WIDTH))
 }

@@ -27,7 +27,7 @@ pub use convergence::convergence_svg;
 pub use document::pdf;
 pub use document::{
     Chapter, Equation, Findings, Group, Run, StudyDocument, Terms, Tone, answers, beside, digits,
-    equations, json_table, text_table, verdict_table,
+    equations, json_table, verdict_table,
 };
 pub use junit::{AnnotationPlace, annotations, step_summary, write_junit};
 pub use map::{Cell, Map, Shade, split_svg};

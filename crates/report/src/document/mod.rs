@@ -29,7 +29,7 @@ pub(super) use study::of_cases;
 pub use study::{Chapter, Findings, StudyDocument, json_table};
 pub(super) use study::{number, precise};
 pub(super) use terminal::outcome;
-pub use terminal::{beside, text_table, verdict_table};
+pub use terminal::{beside, verdict_table};
 
 /// The content for Typst, as JSON, so that no word of a scene is read as markup.
 pub(crate) const DATA: &str = "report.json";

@@ -17,19 +17,17 @@ const PROSE: usize = 30;
 /// Prose is not made narrower while there is another way.
 const NARROWEST: usize = 28;
 
-/// A table for a terminal of `width` columns; heads that begin with `>` are numeric and right-aligned. Columns without
-/// room stand in further tables, which repeat the first column.
-pub fn text_table(heads: &[&str], rows: &[Vec<String>], width: u16) -> String {
-    let width = usize::from(width);
-    let columns_of = |in_parts: bool| -> Vec<Column> {
-        let heads = heads.iter().enumerate();
-        heads.map(|(at, head)| Column::new(at, head, rows, in_parts)).collect()
+/// A table for a terminal of `width` columns. Columns without room stand in further tables, which repeat the first column.
+pub(super) fn table(table: &Table, width: u16) -> String {
+    let (width, rows) = (usize::from(width), &table.rows);
+    let columns_of = |in_parts: bool| -> Vec<Column<'_>> {
+        (0..table.head.len()).map(|at| Column::new(at, table, in_parts)).collect()
     };
     let mut columns = columns_of(false);
     if taken(&columns.iter().collect::<Vec<_>>()) > width {
         columns = columns_of(true);
     }
-    let mut tables: Vec<Vec<&Column>> = vec![Vec::new()];
+    let mut tables: Vec<Vec<&Column<'_>>> = vec![Vec::new()];
     for column in &columns {
         let last = tables.len() - 1;
         let longer = [&tables[last][..], &[column]].concat();
@@ -54,9 +52,9 @@ pub fn beside(label: &str, room: usize, words: &str, width: u16) -> String {
     lines.iter().enumerate().map(line).collect::<Vec<_>>().join("\n")
 }
 
-struct Column {
+struct Column<'a> {
     at: usize,
-    head: String,
+    head: &'a str,
     numeric: bool,
     /// Characters of its longest line.
     whole: usize,
@@ -64,11 +62,12 @@ struct Column {
     least: usize,
 }
 
-impl Column {
-    fn new(at: usize, head: &str, rows: &[Vec<String>], in_parts: bool) -> Self {
-        let (numeric, head) = (head.starts_with('>'), head.trim_start_matches('>'));
+impl<'a> Column<'a> {
+    fn new(at: usize, table: &'a Table, in_parts: bool) -> Self {
+        let (numeric, head) = (table.numeric[at], table.head[at].as_str());
         let narrowest = if in_parts { 0 } else { NARROWEST };
-        let lines = || rows.iter().filter_map(|row| row.get(at)).flat_map(|cell| cell.lines());
+        let cells = || table.rows.iter().filter_map(|row| row.get(at));
+        let lines = || cells().flat_map(|cell| cell.text.lines());
         let content = lines().map(length).max().unwrap_or(0);
         // Cells other than prose stay whole; only a head and, in parts, a name takes several lines.
         let least = |line: &str| match line.split_whitespace().nth(1) {
@@ -80,7 +79,7 @@ impl Column {
         let word = head.split_whitespace().map(length).max().unwrap_or(0);
         let least = lines().map(least).fold(word, usize::max);
         let whole = content.max(length(head));
-        Self { at, head: head.to_owned(), numeric, whole, least: least.min(whole) }
+        Self { at, head, numeric, whole, least: least.min(whole) }
     }
 }
 
@@ -100,7 +99,7 @@ fn parts(word: &str) -> impl Iterator<Item = &str> {
 }
 
 /// Least width of these columns.
-fn taken(columns: &[&Column]) -> usize {
+fn taken(columns: &[&Column<'_>]) -> usize {
     columns.iter().map(|column| column.least + GAP).sum()
 }
 
@@ -120,7 +119,7 @@ fn lines(cell: &str, room: usize) -> Vec<String> {
     lines
 }
 
-fn grid(columns: &[&Column], rows: &[Vec<String>], width: usize) -> String {
+fn grid<'a>(columns: &[&Column<'a>], rows: &'a [Vec<Run>], width: usize) -> String {
     // Spare width goes to the columns that can use it, in shares of what they lack.
     let spare = width.saturating_sub(taken(columns));
     let wanted: usize = columns.iter().map(|column| column.whole - column.least).sum();
@@ -132,12 +131,9 @@ fn grid(columns: &[&Column], rows: &[Vec<String>], width: usize) -> String {
         })
         .collect();
     let rule = |sign: &str| sign.repeat(widths.iter().map(|width| width + GAP).sum::<usize>() - 1);
-    let row = |cell: &dyn Fn(&Column) -> String| -> Vec<String> {
-        let cells: Vec<Vec<String>> = columns
-            .iter()
-            .zip(&widths)
-            .map(|(column, width)| lines(&cell(column), *width))
-            .collect();
+    let row = |cell: &dyn Fn(&Column<'a>) -> &'a str| -> Vec<String> {
+        let each = columns.iter().zip(&widths);
+        let cells: Vec<_> = each.map(|(column, width)| lines(cell(column), *width)).collect();
         let height = cells.iter().map(Vec::len).max().unwrap_or(0).max(1);
         let line = |at: usize| {
             let each = columns.iter().zip(&widths).zip(&cells).map(|((column, &width), cell)| {
@@ -149,10 +145,10 @@ fn grid(columns: &[&Column], rows: &[Vec<String>], width: usize) -> String {
         (0..height).map(line).collect()
     };
     let mut drawn = vec![rule("─")];
-    drawn.extend(row(&|column| column.head.clone()));
+    drawn.extend(row(&|column| column.head));
     drawn.push(rule("═"));
     for cells in rows {
-        drawn.extend(row(&|column| cells.get(column.at).cloned().unwrap_or_default()));
+        drawn.extend(row(&|column| cells.get(column.at).map_or("", |cell| &cell.text)));
     }
     drawn.push(rule("─"));
     drawn.join("\n")
@@ -178,18 +174,6 @@ fn block(block: &Block, width: u16) -> Option<String> {
         Block::Figure(_) | Block::Scene(_) => return None,
         Block::Code(lines) => lines.lines().map(|line| format!("  {line}\n")).collect(),
     })
-}
-
-pub(super) fn table(table: &Table, width: u16) -> String {
-    let head = |(head, numeric): (&String, &bool)| match numeric {
-        true => format!(">{head}"),
-        false => head.clone(),
-    };
-    let heads: Vec<String> = table.head.iter().zip(&table.numeric).map(head).collect();
-    let heads: Vec<&str> = heads.iter().map(String::as_str).collect();
-    let rows: Vec<Vec<String>> =
-        table.rows.iter().map(|row| row.iter().map(|run| run.text.clone()).collect()).collect();
-    text_table(&heads, &rows, width)
 }
 
 /// Wraps lines, at most at LONGEST for readability.
@@ -219,20 +203,21 @@ pub fn verdict_table(verdicts: &[Verdict], width: u16) -> String {
     if verdicts.is_empty() {
         return NOTHING_JUDGED.into();
     }
-    let mut rows: Vec<Vec<String>> = verdicts.iter().map(|v| cell_texts(v).to_vec()).collect();
+    let mut rows: Vec<Vec<Run>> =
+        verdicts.iter().map(|v| cell_texts(v).map(Run::plain).into()).collect();
     let heads = [&VERDICT_HEADS[..6], &["why"]].concat();
     let longest = |at: usize| {
-        let lines = rows.iter().flat_map(|row| row[at].lines());
+        let lines = rows.iter().flat_map(|row| row[at].text.lines());
         lines.map(|line| line.chars().count()).fold(heads[at].len(), usize::max)
     };
     let others: usize = (0..6).map(longest).sum::<usize>() + 7 * GAP;
     let room = usize::from(width).saturating_sub(others);
     for row in &mut rows {
-        row[6] = short(&row[6], room);
+        row[6].text = short(&row[6].text, room);
     }
-    let columns = 6 + usize::from(rows.iter().any(|row| !row[6].is_empty()));
+    let columns = 6 + usize::from(rows.iter().any(|row| !row[6].text.is_empty()));
     rows.iter_mut().for_each(|row| row.truncate(columns));
-    let mut blocks = vec![text_table(&heads[..columns], &rows, width)];
+    let mut blocks = vec![table(&Table::new("", &heads[..columns], rows), width)];
     blocks.extend(reasons(verdicts, width.into()));
     blocks.join("\n")
 }
@@ -281,6 +266,11 @@ fn reasons(verdicts: &[Verdict], width: usize) -> Vec<String> {
 mod tests {
     mod columns {
         use super::super::*;
+
+        fn text_table(heads: &[&str], rows: &[Vec<String>], width: u16) -> String {
+            let row = |row: &Vec<String>| row.iter().map(Run::plain).collect();
+            table(&Table::new("", heads, rows.iter().map(row).collect()), width)
+        }
 
         fn rows() -> Vec<Vec<String>> {
             let prose = "what holds because of a theorem with many words that take their room";
