@@ -113,7 +113,7 @@ impl Verify {
         if let Subject::Contact(setup) = &judged.plans[0].subject {
             let found = look_for_cause(&judged.verdicts, setup, judged.plans[0].runs(), &answers);
             solver_first(&mut judged.verdicts, setup, found.as_ref());
-            judged.cause = found.map(|found| found.told());
+            judged.cause = found;
         }
         judged.write(&self.out)?;
         if let Some(path) = &self.junit {

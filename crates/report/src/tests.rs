@@ -4,7 +4,7 @@ use std::fs;
 
 use super::*;
 use judge::record::{Key, NormError, Status};
-use judge::verdict::{Baseline, ComparedRun, Decision, Prediction, Variable, judge};
+use judge::verdict::{Baseline, Cause, ComparedRun, Decision, Prediction, Variable, judge};
 
 /// Three norms on a grid of 5 meshes and 6 time grids; the trace error meets its floor.
 fn example(name: &str) -> Vec<CaseRecord> {
@@ -111,8 +111,8 @@ fn a_report_is_whole_and_the_same_twice() {
 fn a_cause_is_said_first_and_kept() {
     let dir = std::env::temp_dir().join(format!("gronwall-cause-{}", std::process::id()));
     let records = example("s");
-    let cause = Cause {
-        cause: "memory".into(),
+    let cause = Found {
+        cause: Cause::Memory,
         says: "the memory is summed by the left-hand rule".into(),
         numbers: "n = 4: 4e-2 is left".into(),
         fits: false,

@@ -33,14 +33,32 @@ struct Document<'a> {
     #[serde(skip_serializing_if = "Option::is_none")]
     baseline: Option<&'a Comparison>,
     #[serde(skip_serializing_if = "Option::is_none")]
-    cause: Option<&'a Cause>,
+    cause: Option<&'a Found>,
+}
+
+/// What an answer of a solver under test has wrong.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Cause {
+    /// It solves the discrete equations of the scene.
+    Nothing,
+    /// Some levels are not solved.
+    Levels,
+    Elasticity,
+    /// A plane of symmetry is held along itself.
+    Symmetry,
+    Loads,
+    Memory,
+    Projection,
+    Contact,
+    Friction,
+    Pressures,
 }
 
 /// Why a solver under test is wrong, as its answers show.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Cause {
-    /// In a word.
-    pub cause: String,
+pub struct Found {
+    pub cause: Cause,
     /// In a sentence.
     pub says: String,
     /// What it is concluded from.
@@ -49,7 +67,7 @@ pub struct Cause {
     pub fits: bool,
 }
 
-impl Cause {
+impl Found {
     /// The sentence, with its doubt.
     pub fn in_words(&self) -> String {
         format!("{}{}", if self.fits { "" } else { "perhaps " }, self.says)
@@ -74,7 +92,7 @@ struct Written {
     #[serde(default)]
     verdicts: Vec<Judged>,
     #[serde(default)]
-    cause: Option<Cause>,
+    cause: Option<Found>,
 }
 
 /// What an earlier `verdict.json` knows beyond the records.
@@ -83,7 +101,7 @@ pub struct Earlier {
     pub failures: Vec<Failure>,
     /// Predicted constants, to judge records again without the scenes' exact solutions.
     pub foreseen: Vec<ForeseenConstant>,
-    pub cause: Option<Cause>,
+    pub cause: Option<Found>,
 }
 
 /// Failed cases, sorted by key.
@@ -103,7 +121,7 @@ pub fn document(
     verdicts: &[Verdict],
     records: &[CaseRecord],
     baseline: Option<&Comparison>,
-    cause: Option<&Cause>,
+    cause: Option<&Found>,
 ) -> serde_json::Value {
     let document = Document { provenance, verdicts, failures: failures(records), baseline, cause };
     serde_json::json!(document)
@@ -119,7 +137,7 @@ pub fn write_json(
     verdicts: &[Verdict],
     records: &[CaseRecord],
     baseline: Option<&Comparison>,
-    cause: Option<&Cause>,
+    cause: Option<&Found>,
 ) -> Result<(), DocumentError> {
     let document = document(provenance, verdicts, records, baseline, cause);
     let mut bytes = serde_json::to_vec_pretty(&document)

@@ -21,8 +21,8 @@ pub use baseline::{
 };
 pub use constants::{Foreseen, ForeseenConstant, LeadingLine, LeadingPoint};
 pub use document::{
-    Cause, DocumentError, Earlier, Failure, document, failures, read_earlier, restore_reasons,
-    write_json,
+    Cause, DocumentError, Earlier, Failure, Found, document, failures, read_earlier,
+    restore_reasons, write_json,
 };
 pub use fitted_constant::FittedConstant;
 pub use judge::{judge, judge_foreseen};

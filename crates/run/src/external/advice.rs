@@ -1,9 +1,8 @@
 //! What to check in an external solver if a verdict does not pass; a finer case seldom helps.
 
 use super::cause::cause_of;
-use super::left::{Cause, Found};
 use fem::space::Element;
-use judge::verdict::{Decision, Variable, Verdict};
+use judge::verdict::{Cause, Decision, Found, Variable, Verdict};
 use scene::setup::{MeshData, Scheme, Setup};
 use scene::{Body, Data, LoadForm, Scene, SceneError};
 

@@ -11,8 +11,9 @@ use scene::setup::{MeshData, Scheme, Setup};
 use vhi::history::{TimeGrid, TimeRule, Trapezoid};
 use vhi::law::{Convolution, FourthOrder, HistoryKernel, Isotropic, Projection, TensorField};
 
-use super::left::{Cause, Found, Left};
+use super::left::Left;
 use super::touch::of_contact;
+use judge::verdict::{Cause, Found};
 
 /// Residuals below this share of the largest force are tolerances of solvers.
 const SOUND: f64 = 1e-5;

@@ -10,46 +10,6 @@ use scene::setup::{MeshData, Setup};
 use vhi::history::TimeGrid;
 use vhi::law::{Projection, TensorField};
 
-/// What an answer has wrong.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Cause {
-    /// It solves the discrete equations of the scene.
-    Nothing,
-    /// Some levels are not solved.
-    Levels,
-    Elasticity,
-    /// A plane of symmetry is held along itself.
-    Symmetry,
-    Loads,
-    Memory,
-    Projection,
-    Contact,
-    Friction,
-    Pressures,
-}
-
-/// The cause that explains an answer best.
-#[derive(Debug, Clone, PartialEq, serde::Serialize)]
-pub struct Found {
-    pub cause: Cause,
-    /// What is wrong, in words.
-    pub says: String,
-    /// The residuals that say so.
-    pub numbers: String,
-    /// Whether a mistake that was tried leaves just these residuals.
-    pub fits: bool,
-}
-
-impl Found {
-    /// As verdicts are written with it.
-    pub fn told(&self) -> judge::verdict::Cause {
-        let Self { cause, says, numbers, fits } = self.clone();
-        let cause = serde_json::json!(cause).as_str().unwrap_or_default().to_owned();
-        judge::verdict::Cause { cause, says, numbers, fits }
-    }
-}
-
 /// The answer of a solver to a case, and what it leaves.
 pub(super) struct Left<'a> {
     pub(super) setup: &'a Setup,

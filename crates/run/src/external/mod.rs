@@ -20,12 +20,12 @@ use self::answer::{read_pressures, read_until};
 pub use self::case_files::{ContactRow, DENSITIES, Given, case_dir, write_case};
 pub use self::cause::cause_of;
 pub use self::in_process::{Answer, InProcess, Solve};
-pub use self::left::{Cause, Found};
 pub use self::process::{LOG, ProcessError, end_solvers, last_lines};
 use fem::contact::{
     CaseError, CaseInfo, Discretization, Histories, Model, Observer, StepView, strain_norm,
 };
 use files::{remove_if_there, shortened};
+pub use judge::verdict::{Cause, Found};
 use scene::setup::{MeshData, Scheme, Setup};
 use vhi::history::TimeGrid;
 use vhi::law::Projection;

@@ -5,7 +5,8 @@ use std::sync::Arc;
 use fem::contact::{BoundaryRule, TracePoint};
 use vhi::law::{NoPotential, Potential, Scaled, graph_distance};
 
-use super::left::{Cause, Found, Left};
+use super::left::Left;
+use judge::verdict::{Cause, Found};
 
 /// Directions and bounds that agree to this agree.
 const SMALL: f64 = 1e-5;
