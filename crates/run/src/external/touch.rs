@@ -1,5 +1,6 @@
 //! The forces that an answer needs on Γ3, against the law, the gap and the friction of the scene.
 
+use std::collections::BTreeSet;
 use std::sync::Arc;
 
 use fem::contact::{BoundaryRule, TracePoint};
@@ -182,47 +183,61 @@ pub(super) fn of_contact(left: &Left<'_>, balanced: &str) -> Found {
     Found { cause: Cause::Nothing, says, numbers: balanced.to_owned(), fits: true }
 }
 
-/// The mistake that all points of Γ3 fit, in its words, and whether there is one.
+/// The first mistake of those offered that all points of Γ3 fit.
+struct First<'t> {
+    touches: &'t [Touch],
+    sound: f64,
+    says: Option<String>,
+}
+
+impl First<'_> {
+    /// Takes a mistake by the forces that it leaves.
+    fn offer(&mut self, off: &dyn Fn(&Touch) -> f64, says: &str) {
+        if self.says.is_none() && self.touches.iter().all(|touch| off(touch) <= self.sound) {
+            self.says = Some(says.to_owned());
+        }
+    }
+
+    /// Takes a mistake by what is so at every point.
+    fn offer_if(&mut self, is: &dyn Fn(&Touch) -> bool, says: &str) {
+        self.offer(&|touch| if is(touch) { 0.0 } else { f64::INFINITY }, says);
+    }
+
+    /// Its words, or these where there is none, and whether there is one.
+    fn or(self, otherwise: &str) -> (String, bool) {
+        let fits = self.says.is_some();
+        (self.says.unwrap_or_else(|| otherwise.to_owned()), fits)
+    }
+}
+
 fn normal(touches: &[Touch], sound: f64) -> (String, bool) {
-    let all = |off: &dyn Fn(&Touch) -> f64| touches.iter().all(|touch| off(touch) <= sound);
     let most = |of: &dyn Fn(&Touch) -> f64| {
         touches.iter().max_by(|a, b| of(a).total_cmp(&of(b))).filter(|touch| of(touch) > 0.0)
     };
     let (none, free) = (NoPotential, f64::INFINITY);
     let lo = |touch: &Touch, u: f64| touch.law.subdifferential(u - touch.shift).0;
-    let mut fit: Option<String> = None;
-    let mut offer = |fits: bool, says: String| {
-        if fits && fit.is_none() {
-            fit = Some(says);
-        }
-    };
     let at = |touch: &Touch| [touch.u, touch.p];
-    offer(
-        all(&|touch| touch.weight * touch.p.abs()),
-        "contact: no force at all, neither law nor gap on this side".into(),
+    let mut first = First { touches, sound, says: None };
+    first.offer(
+        &|touch| touch.weight * touch.p.abs(),
+        "contact: no force at all, neither law nor gap on this side",
     );
     let open = |touch: &Touch| {
         touch.law.kinks().first().is_some_and(|first| touch.u - touch.shift <= *first)
     };
-    offer(
-        touches.iter().all(|touch| open(touch) && touch.weight * touch.p <= sound),
-        "contact: open points are pulled, the law goes on below its first point or the normal points inward".into(),
+    first.offer_if(
+        &|touch| open(touch) && touch.weight * touch.p <= sound,
+        "contact: open points are pulled, the law goes on below its first point or the normal points inward",
     );
-    offer(
-        all(&|touch| touch.off(&touch.law, touch.gap, [-touch.u, -touch.p])),
-        "contact: the normal points inward, -u_nu has the gap and the law".into(),
+    first.offer(
+        &|touch| touch.off(&touch.law, touch.gap, [-touch.u, -touch.p]),
+        "contact: the normal points inward, -u_nu has the gap and the law",
     );
-    offer(
-        all(&|touch| touch.off(&touch.law, free, at(touch))),
-        "contact: the gap is missing".into(),
-    );
-    offer(
-        all(&|touch| touch.off(&none, touch.gap, at(touch))),
-        "contact: the law is missing".into(),
-    );
+    first.offer(&|touch| touch.off(&touch.law, free, at(touch)), "contact: the gap is missing");
+    first.offer(&|touch| touch.off(&none, touch.gap, at(touch)), "contact: the law is missing");
     for (k, when) in ["of t = 0 at all times", "of the level before"].into_iter().enumerate() {
         let off = |touch: &Touch| touch.off(&touch.law, touch.gaps[k], at(touch));
-        offer(all(&off), format!("contact: the gap {when}"));
+        first.offer(&off, &format!("contact: the gap {when}"));
     }
     // The point that presses most says by which gap, or by which penalty.
     let excess = |touch: &Touch| {
@@ -231,22 +246,22 @@ fn normal(touches: &[Touch], sound: f64) -> (String, bool) {
     if let Some(most) = most(&excess).filter(|touch| excess(touch) > sound) {
         let (factor, more) = (most.u / most.gap, most.u - most.gap);
         let stiffness = (most.p - lo(most, most.gap)) / more;
-        offer(
-            all(&|touch| touch.off(&touch.law, factor * touch.gap, at(touch))),
-            format!("contact: {factor:.4} times the gap"),
+        first.offer(
+            &|touch| touch.off(&touch.law, factor * touch.gap, at(touch)),
+            &format!("contact: {factor:.4} times the gap"),
         );
-        offer(
-            all(&|touch| touch.off(&touch.law, touch.gap + more, at(touch))),
-            format!("contact: the gap and {more:.2e} more"),
+        first.offer(
+            &|touch| touch.off(&touch.law, touch.gap + more, at(touch)),
+            &format!("contact: the gap and {more:.2e} more"),
         );
         let by_penalty = |touch: &Touch| {
             let law =
                 lo(touch, touch.u.min(touch.gap)) + stiffness * (touch.u - touch.gap).max(0.0);
             touch.weight * (touch.p - law).abs()
         };
-        offer(
-            stiffness > 0.0 && all(&by_penalty),
-            format!("contact: a penalty, {stiffness:.4e} (u_nu - g), in place of the constraint"),
+        first.offer_if(
+            &|touch| stiffness > 0.0 && by_penalty(touch) <= sound,
+            &format!("contact: a penalty, {stiffness:.4e} (u_nu - g), in place of the constraint"),
         );
     }
     let steepest = |touch: &Touch| touch.weight * lo(touch, touch.u).abs();
@@ -256,136 +271,115 @@ fn normal(touches: &[Touch], sound: f64) -> (String, bool) {
             potential: touch.law.potential.clone(),
             factor: factor * touch.law.factor,
         };
-        offer(
-            all(&|touch| touch.off(&of(touch), touch.gap, at(touch))),
-            format!("contact: {factor:.4} times the law"),
+        first.offer(
+            &|touch| touch.off(&of(touch), touch.gap, at(touch)),
+            &format!("contact: {factor:.4} times the law"),
         );
     }
-    let unheld = |touch: &Touch| touch.off(&touch.law, free, at(touch)).min(touch.of_scene());
-    if all(&unheld) {
-        let mut points: Vec<usize> = touches.iter().map(|touch| touch.i).collect();
-        let mut wrong: Vec<usize> =
-            touches.iter().filter(|touch| touch.of_scene() > sound).map(|touch| touch.i).collect();
-        [&mut points, &mut wrong].into_iter().for_each(|list| {
-            list.sort_unstable();
-            list.dedup();
-        });
-        let words = format!(
-            "contact: no gap at {} of {} vertices of the contact side",
-            wrong.len(),
-            points.len()
-        );
-        offer(true, format!("{words}, or an active set that is not final"));
-    }
-    if let Some(says) = fit {
-        return (says, true);
-    }
-    // What is wrong may lie on one branch of the law alone.
     let wrong = || touches.iter().filter(|touch| touch.of_scene() > sound);
+    let count = |points: &mut dyn Iterator<Item = &Touch>| {
+        points.map(|touch| touch.i).collect::<BTreeSet<usize>>().len()
+    };
+    let [held, all] = [count(&mut wrong()), count(&mut touches.iter())];
+    first.offer(
+        &|touch| touch.off(&touch.law, free, at(touch)).min(touch.of_scene()),
+        &format!(
+            "contact: no gap at {held} of {all} vertices of the contact side, or an active set that is not final"
+        ),
+    );
+    // What is wrong may lie on one branch of the law alone.
     let from = wrong().map(|touch| touch.u - touch.shift).fold(f64::INFINITY, f64::min);
     let to = wrong().map(|touch| touch.u - touch.shift).fold(f64::NEG_INFINITY, f64::max);
     let kinks = touches.first().map_or(&[][..], |touch| touch.law.kinks());
-    if touches.iter().all(|touch| touch.u - touch.gap <= sound / touch.stiffness)
-        && wrong().all(|touch| touch.p < 0.0)
-    {
-        let says = match kinks.first() {
-            Some(first) if to <= *first => {
-                "contact: open points are pulled, the law goes on below its first point"
-            }
-            _ => "contact: points are pulled, an active set that is not final",
-        };
-        return (says.into(), true);
-    }
+    let says = match kinks.first() {
+        Some(first) if to <= *first => {
+            "contact: open points are pulled, the law goes on below its first point"
+        }
+        _ => "contact: points are pulled, an active set that is not final",
+    };
+    let pulled = wrong().all(|touch| touch.p < 0.0);
+    first.offer_if(&|touch| pulled && touch.u - touch.gap <= sound / touch.stiffness, says);
     let below =
         kinks.iter().copied().filter(|kink| *kink <= from).fold(f64::NEG_INFINITY, f64::max);
     let above = kinks.iter().copied().find(|kink| *kink >= to).unwrap_or(f64::INFINITY);
-    match below.is_finite() || above.is_finite() {
-        true => {
-            (format!("contact: the law is wrong for u_nu - s from {below} to {above} alone"), true)
-        }
-        false => ("contact: normal forces do not fit the law and the gap".into(), false),
-    }
+    first.offer_if(
+        &|_| below.is_finite() || above.is_finite(),
+        &format!("contact: the law is wrong for u_nu - s from {below} to {above} alone"),
+    );
+    first.or("contact: normal forces do not fit the law and the gap")
 }
 
 fn tangential(touches: &[Touch], sound: f64, rubs: bool) -> (String, bool) {
-    let all = |off: &dyn Fn(&Touch) -> f64| touches.iter().all(|touch| off(touch) <= sound);
+    let mut first = First { touches, sound, says: None };
     if !rubs {
-        return ("contact: tangential forces, where the scene has no friction".into(), false);
+        return first.or("contact: tangential forces, where the scene has no friction");
     }
+    let along = |touch: &Touch| touch.s[0] * touch.slip[0] + touch.s[1] * touch.slip[1];
     let most = touches.iter().max_by(|a, b| a.sliding().total_cmp(&b.sliding()));
     let [ratio, drag, stress] = most.map_or([0.0; 3], |touch| {
-        let along = touch.s[0] * touch.slip[0] + touch.s[1] * touch.slip[1];
-        [touch.dragging() / touch.bounds[0], along / touch.sliding().powi(2), touch.dragging()]
+        let drag = along(touch) / touch.sliding().powi(2);
+        [touch.dragging() / touch.bounds[0], drag, touch.dragging()]
     });
+    let by = |bound: f64, touch: &Touch| touch.off_friction(bound, touch.slip);
+    let sticks = |touch: &Touch| touch.sliding() * touch.stiffness <= sound;
+    let forward = touches.iter().any(|touch| !sticks(touch) && along(touch) < 0.0);
+    let back = |touch: &Touch| touch.off_friction(touch.bounds[0], touch.slip.map(|slip| -slip));
     let by_drag = |touch: &Touch| {
         let [p, q] = [0, 1].map(|k| touch.s[k] - drag * touch.slip[k]);
         touch.weight * p.hypot(q)
     };
-    let back = |touch: &Touch| touch.off_friction(touch.bounds[0], touch.slip.map(|slip| -slip));
-    let slipping = touches.iter().filter(|touch| touch.sliding() * touch.stiffness > sound);
-    let forward =
-        slipping.clone().any(|touch| touch.s[0] * touch.slip[0] + touch.s[1] * touch.slip[1] < 0.0);
-    let held = |touch: &Touch| {
-        let sticks = touch.sliding() * touch.stiffness <= sound;
-        if sticks { 0.0 } else { touch.off_friction(touch.bounds[0], touch.slip) }
-    };
     // As a regularised law has it: below the bound along the slip, and no stress without slip.
     let yielding = |touch: &Touch| {
         let moves = touch.weight * touch.dragging() <= sound || touch.sliding() > 0.0;
-        let along = touch.s[0] * touch.slip[0] + touch.s[1] * touch.slip[1];
-        let straight = along >= (1.0 - SMALL) * touch.dragging() * touch.sliding();
+        let straight = along(touch) >= (1.0 - SMALL) * touch.dragging() * touch.sliding();
         moves && straight && touch.dragging() <= (1.0 + SMALL) * touch.bounds[0]
     };
-    let says = match () {
-        () if all(&|touch| touch.weight * touch.dragging()) => "friction: none at all".into(),
-        () if all(&back) || forward => "friction: it pushes along with the slip".into(),
-        () if all(&by_drag) => {
-            format!("friction: {drag:.4} times the slip, so that nothing sticks")
-        }
-        () if all(&|touch| touch.off_friction(ratio * touch.bounds[0], touch.slip)) => {
-            format!("friction: {ratio:.4} times the bound")
-        }
-        () if all(&|touch| touch.off_friction(touch.bounds[1], touch.slip)) => {
-            "friction: the bound of t = 0 at all times".into()
-        }
-        () if all(&|touch| touch.off_friction(touch.bounds[2], touch.slip)) => {
-            "friction: the bound of the level before".into()
-        }
-        () if touches.iter().all(yielding) => {
-            "friction: it grows with the slip up to its bound, so that nothing sticks".into()
-        }
-        () if all(&held) => "friction: points stick beyond the bound".into(),
-        () if all(&|touch| touch.off_friction(stress, touch.slip)) => {
-            format!("friction: a constant bound, {stress:.4e}")
-        }
-        () => return ("friction: slips and tangential stresses do not fit the law".into(), false),
-    };
-    (says, true)
+    first.offer(&|touch| touch.weight * touch.dragging(), "friction: none at all");
+    first.offer(
+        &|touch| if forward { 0.0 } else { back(touch) },
+        "friction: it pushes along with the slip",
+    );
+    first.offer(&by_drag, &format!("friction: {drag:.4} times the slip, so that nothing sticks"));
+    first.offer(
+        &|touch| by(ratio * touch.bounds[0], touch),
+        &format!("friction: {ratio:.4} times the bound"),
+    );
+    first.offer(&|touch| by(touch.bounds[1], touch), "friction: the bound of t = 0 at all times");
+    first.offer(&|touch| by(touch.bounds[2], touch), "friction: the bound of the level before");
+    first.offer_if(
+        &yielding,
+        "friction: it grows with the slip up to its bound, so that nothing sticks",
+    );
+    first.offer(
+        &|touch| if sticks(touch) { 0.0 } else { by(touch.bounds[0], touch) },
+        "friction: points stick beyond the bound",
+    );
+    first.offer(&|touch| by(stress, touch), &format!("friction: a constant bound, {stress:.4e}"));
+    first.or("friction: slips and tangential stresses do not fit the law")
 }
 
 /// How pressures differ that are handed over.
 fn handed(touches: &[Touch], sound: f64) -> (String, bool) {
-    let all = |of: &dyn Fn(&Touch) -> f64| {
-        touches.iter().all(|touch| touch.weight * (touch.given - of(touch)).abs() <= sound)
-    };
+    let mut first = First { touches, sound, says: None };
     let count = touches.len() as f64;
     let mean = |of: &dyn Fn(&Touch) -> f64| touches.iter().map(of).sum::<f64>() / count;
     let (p, q) = (mean(&|touch| touch.p), mean(&|touch| touch.given));
     let slope =
         mean(&|touch| (touch.p - p) * (touch.given - q)) / mean(&|touch| (touch.p - p).powi(2));
     let start = q - slope * p;
-    let says = match () {
-        () if all(&|touch| -touch.p) => "pressures: they have the other sign".into(),
-        () if all(&|touch| touch.weight * touch.p) => {
-            "pressures: forces of the vertices, not over their weights".into()
-        }
-        () if all(&|touch| slope * touch.p) => {
-            format!("pressures: {slope:.4} times those that balance the stress")
-        }
-        () if all(&|touch| start + slope * touch.p) => {
-            format!("pressures: {start:.4} + {slope:.4} p for p")
-        }
-        () => return ("pressures: they do not balance the stress".into(), false),
-    };
-    (says, true)
+    let off = |touch: &Touch, given: f64| touch.weight * (touch.given - given).abs();
+    first.offer(&|touch| off(touch, -touch.p), "pressures: they have the other sign");
+    first.offer(
+        &|touch| off(touch, touch.weight * touch.p),
+        "pressures: forces of the vertices, not over their weights",
+    );
+    first.offer(
+        &|touch| off(touch, slope * touch.p),
+        &format!("pressures: {slope:.4} times those that balance the stress"),
+    );
+    first.offer(
+        &|touch| off(touch, start + slope * touch.p),
+        &format!("pressures: {start:.4} + {slope:.4} p for p"),
+    );
+    first.or("pressures: they do not balance the stress")
 }
