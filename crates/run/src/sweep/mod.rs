@@ -29,4 +29,4 @@ pub use provenance::{
     Build, Circumstances, OutputDirectory, OutputError, Planned, Provenance, ResumeError, Resumed,
     missing_cases, planned, resume,
 };
-pub use run::{Machine, Progress, SweepError, replace_records, run_more, run_sweep};
+pub use run::{Machine, Progress, SweepError, replace_records, run_sweep};

@@ -90,22 +90,11 @@ pub fn run_sweep(
     keep: bool,
     progress: &dyn Progress,
 ) -> Result<Vec<CaseRecord>, SweepError> {
-    let Resumed { records, doubts } = match keep {
+    let Resumed { records: known, doubts } = match keep {
         true => resume(out.path(), plans)?,
         false => Resumed::default(),
     };
     doubts.iter().for_each(|doubt| progress.doubted(doubt));
-    run_more(plans, records, out, machine, progress)
-}
-
-/// Runs the cases of `plans` missing in `known`. Returns all records likewise.
-pub fn run_more(
-    plans: &[ScenePlan],
-    known: Vec<CaseRecord>,
-    out: &OutputDirectory,
-    machine: &Machine,
-    progress: &dyn Progress,
-) -> Result<Vec<CaseRecord>, SweepError> {
     let table = out.path().join("cases.csv");
     replace_records(out.path(), &Provenance::of_run(plans, machine), !known.is_empty())?;
     judge::record::write_sorted(&table, &known)?;
