@@ -11,9 +11,7 @@ use judge::record::{CaseRecord, CaseTable, Key, read_table};
 use judge::verdict::{Earlier, exit_code, read_earlier, restore_reasons};
 use report::write_all;
 use run::merge::unfinished_in_words;
-use run::sweep::{
-    OutputDirectory, OutputError, Provenance, judge_scene, judge_subject, missing_cases, planned,
-};
+use run::sweep::{OutputDirectory, Provenance, judge_scene, judge_subject, missing_cases, planned};
 use scene::Scene;
 use scene::setup::Subject;
 use studies::portrait::scene_summary;
@@ -96,15 +94,7 @@ impl Report {
     fn hold(&self) -> Result<OutputDirectory, CliError> {
         let table = self.dir.join("cases.csv");
         std::fs::metadata(&table).map_err(|error| CliError::about(table.display(), error))?;
-        OutputDirectory::take(&self.dir).map_err(|error| match error {
-            OutputError::Held { path, holder } => CliError::about(
-                path.display(),
-                format!(
-                    "{holder} is writing here; wait until it has finished, then run the report"
-                ),
-            ),
-            error => error.into(),
-        })
+        Ok(OutputDirectory::take(&self.dir)?)
     }
 
     /// The scenes of the records, and those planned.
