@@ -95,7 +95,8 @@ impl MergeCommand {
     }
 }
 
-fn recorded(path: &Path) -> Result<Baseline, CliError> {
+/// A baseline that is named.
+pub(super) fn recorded(path: &Path) -> Result<Baseline, CliError> {
     let read = Baseline::read(path)?;
     read.ok_or_else(|| CliError::about(path.display(), "no such file"))
 }

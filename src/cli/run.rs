@@ -6,6 +6,7 @@ use clap::Args;
 use rayon::prelude::*;
 
 use super::machine::{Allowance, on_interrupt, processors};
+use super::merge::recorded;
 use super::scenes::Chosen;
 use super::swept::{Swept, annotate, on_github};
 use super::{CliError, Scenes, print_json, print_text};
@@ -264,15 +265,13 @@ impl What {
     fn read_baseline(&self, scenes: &Scenes) -> Result<Option<Baseline>, CliError> {
         let elsewhere =
             scenes.named || self.chosen.scenes.iter().any(|name| name.ends_with(".toml"));
-        let path = match &self.baseline {
-            Some(path) => path.clone(),
+        match &self.baseline {
+            Some(path) => return recorded(path).map(Some),
             None if elsewhere => return Ok(None),
-            None => PathBuf::from(BASELINE),
-        };
-        let read = Baseline::read(&path)?;
-        match (&self.baseline, read) {
-            (Some(_), None) => Err(CliError::about(path.display(), "no such file")),
-            (None, None) if scenes.folder.is_none() => {
+            None => {}
+        }
+        match Baseline::read(BASELINE.as_ref())? {
+            None if scenes.folder.is_none() => {
                 crate::shipped::baseline().map(Some).map_err(CliError::other)
             }
             (_, read) => Ok(read),
