@@ -14,7 +14,7 @@ pub(super) struct Allowance {
     /// Memory limit in bytes, or as 512M, 8G. The memory of each case is predicted, and a case that would need more is
     /// not started [default: what the machine has available]
     #[arg(long, value_name = "BYTES")]
-    memory_limit: Option<MemoryLimit>,
+    pub(super) memory_limit: Option<MemoryLimit>,
 }
 
 /// Heading in help of what most commands take, below their own options.
@@ -34,11 +34,6 @@ pub(super) struct Common {
 impl Allowance {
     pub(super) fn limit(&self) -> MemoryLimit {
         self.memory_limit.unwrap_or_else(MemoryLimit::of_machine)
-    }
-
-    /// The limit of the command line, if given.
-    pub(super) fn given(&self) -> Option<MemoryLimit> {
-        self.memory_limit
     }
 }
 

@@ -274,7 +274,7 @@ impl What {
             None if scenes.folder.is_none() => {
                 crate::shipped::baseline().map(Some).map_err(CliError::other)
             }
-            (_, read) => Ok(read),
+            read => Ok(read),
         }
     }
 
@@ -301,7 +301,7 @@ impl What {
             ("--n", grid.n.as_deref().map(list)),
             ("--steps", grid.steps.as_deref().map(list)),
             ("--jobs", self.jobs.map(|jobs| jobs.to_string())),
-            ("--memory-limit", self.allowance.given().map(|limit| limit.bytes().to_string())),
+            ("--memory-limit", self.allowance.memory_limit.map(|limit| limit.bytes().to_string())),
         ];
         let given = options.into_iter().filter_map(|(name, value)| Some([name.into(), value?]));
         let flags = [("--all", self.chosen.all), ("--resume", resume)];
