@@ -4,6 +4,8 @@
 //! its own; the one that leaves what the answer leaves, with the fewest numbers that are free, is named. Where these rows
 //! balance, the forces that are left on Γ3 are those of contact, and are held against the law, the gap and the friction.
 
+use std::collections::BTreeSet;
+
 use algebra::linalg::{axpy, dot, largest, norm};
 use exact::Densities;
 use fem::contact::{CaseError, MemoryTerm, StepView, out_of_balance};
@@ -460,6 +462,16 @@ fn of_tensors(left: &Left<'_>, offer: &mut Offer<'_>) {
     offer(Cause::Elasticity, false, &of(FourthOrder::Full(shear)), &|_| says.into());
 }
 
+/// The nodes that are out of balance at some level.
+fn wrong_nodes(left: &Left<'_>) -> BTreeSet<usize> {
+    let d = left.data.space.mesh.dimension;
+    let wrong = |level: &Vec<f64>| -> Vec<usize> {
+        let rows = left.rows.iter().filter(|&&row| level[row].abs() > left.sound);
+        rows.map(|row| row / d).collect()
+    };
+    left.balance.iter().flat_map(wrong).collect()
+}
+
 /// The words where all nodes that are out of balance lie on planes of symmetry, and do not move.
 fn held_along(left: &Left<'_>) -> Option<String> {
     let (space, d) = (&*left.data.space, left.data.space.mesh.dimension);
@@ -470,15 +482,7 @@ fn held_along(left: &Left<'_>) -> Option<String> {
         .iter()
         .map(|at| space.nodes.of_vertex[at.vertex as usize] as usize)
         .collect();
-    let wrong = |level: &Vec<f64>| {
-        left.rows
-            .iter()
-            .filter(|&&row| level[row].abs() > left.sound)
-            .map(|row| row / d)
-            .collect::<Vec<_>>()
-    };
-    let mut wrong = left.balance.iter().flat_map(wrong);
-    wrong.all(|node| on.contains(&node) && still(node)).then(|| {
+    wrong_nodes(left).iter().all(|node| on.contains(node) && still(*node)).then(|| {
         "planes of symmetry do not move at all: there u_nu = 0 alone, and the rest is free (symmetry.csv)".to_owned()
     })
 }
@@ -486,14 +490,7 @@ fn held_along(left: &Left<'_>) -> Option<String> {
 /// The words where few nodes, or one side alone, are out of balance.
 fn few_rows(left: &Left<'_>) -> Option<String> {
     let (space, d) = (&*left.data.space, left.data.space.mesh.dimension);
-    let mut wrong: Vec<usize> = Vec::new();
-    for balance in &left.balance {
-        wrong.extend(
-            left.rows.iter().filter(|&&row| balance[row].abs() > left.sound).map(|row| row / d),
-        );
-    }
-    wrong.sort_unstable();
-    wrong.dedup();
+    let wrong = wrong_nodes(left);
     let place = |&node: &usize| {
         let x = space.mesh.vertex(space.nodes.vertex[node]);
         let x: Vec<String> = x.iter().map(|x| format!("{x:.4}")).collect();
