@@ -180,7 +180,8 @@ impl Fit {
         if self.markdown || self.latex {
             tables.said.iter().for_each(|line| print_error(line));
         }
-        Ok(u8::from(!found.all_pass))
+        let all_pass = found.verdicts.iter().all(|verdict| verdict.decision == Decision::Pass);
+        Ok(u8::from(!all_pass))
     }
 
     /// The first line of the table of a verdict.
@@ -331,8 +332,6 @@ pub struct Fitted {
     pub objects: Vec<serde_json::Value>,
     /// One for each predicted order.
     pub verdicts: Vec<Verdict>,
-    /// No predicted order fails or is unresolved.
-    pub all_pass: bool,
 }
 
 /// Reads and fits the tables of a file, against predicted orders in h and k if given.
@@ -374,15 +373,13 @@ fn judged(
     asked: impl Fn(&Group) -> Asked,
     left_out: &[Vec<Point>],
 ) -> Result<Fitted, CliError> {
-    let mut found =
-        Fitted { texts: Vec::new(), objects: Vec::new(), verdicts: Vec::new(), all_pass: true };
-    found.texts = eoc::tables(&tables.groups, Style::Text);
+    let texts = eoc::tables(&tables.groups, Style::Text);
+    let mut found = Fitted { texts, objects: Vec::new(), verdicts: Vec::new() };
     for (at, group) in tables.groups.iter().enumerate() {
         let asked = asked(group);
         let outside = left_out.get(at).map_or(&[][..], Vec::as_slice);
         for mut part in parts(group, asked, outside).map_err(|why| CliError::about(name, why))? {
             found.verdicts.extend(verdict(of_group(name, group), &part));
-            found.all_pass &= part.decision.is_none_or(|d| d == Decision::Pass);
             part.json["read"] = tables.said.join("\n").into();
             part.json["scene"] = group.scene.clone().into();
             part.json["norm"] = group.norm.clone().into();
