@@ -122,12 +122,14 @@ impl Stage {
 /// An answer as a program with a defect reads it.
 struct Read<'a> {
     answer: &'a Answer,
-    read: fn(&MeshData, Answer) -> Answer,
+    read: fn(&MeshData, &mut Answer),
 }
 
 impl Solve for Read<'_> {
     fn solve(&self, _: &Given, data: &MeshData) -> Result<Answer, String> {
-        Ok((self.read)(data, self.answer.clone()))
+        let mut answer = self.answer.clone();
+        (self.read)(data, &mut answer);
+        Ok(answer)
     }
 }
 

@@ -4,7 +4,7 @@ use judge::record::{CaseRecord, Status};
 use judge::verdict::{Baseline, Decision, Verdict};
 
 use crate::answers::Answers;
-use crate::catalogue::{Defect, Term};
+use crate::catalogue::{Defect, Term, through};
 use crate::readback::misread;
 use crate::suite::{Outcome, Trial};
 use crate::tables::misjudged;
@@ -168,7 +168,7 @@ impl Reference {
     /// Runs a defect through all gates.
     pub fn line(&self, defect: &Defect) -> Line {
         let mut line = Line {
-            defect: *defect,
+            defect: defect.clone(),
             caught: Vec::new(),
             scenes: Vec::new(),
             effect: Effect::Nothing,
@@ -180,7 +180,7 @@ impl Reference {
             let outcome = match defect.term {
                 // The solver is sound: only what is made of its records differs.
                 Term::Judging | Term::Record | Term::Answer | Term::Report => {
-                    trial.judge(defect, (defect.records)(sound.records.clone()))
+                    trial.judge(defect, through(&defect.records, sound.records.clone()))
                 }
                 _ => trial.run(defect),
             };

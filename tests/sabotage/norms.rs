@@ -11,7 +11,7 @@ use scene::Norm;
 use scene::setup::{MeshData, NewtonMarch, Scheme, Setup};
 
 use crate::again::{Errors, Kept, errors, strain_norm};
-use crate::catalogue::{Defect, Site};
+use crate::catalogue::{Defect, Site, through};
 use crate::shipped::setup;
 use crate::suite::{data, fresh};
 
@@ -62,7 +62,7 @@ impl Norms {
 
 impl Stage {
     fn hear(&self, defect: &Defect) -> Option<String> {
-        let program = (defect.program)(fresh(&self.sound));
+        let program = through(&defect.program, fresh(&self.sound));
         let data = data(defect, &program, &self.sound, &self.space, &self.truth);
         let exact = program.exact.clone()?;
         let (mut levels, mut again) = (Vec::new(), Errors::default());
@@ -84,14 +84,14 @@ impl Stage {
         ];
         let in_time = self.in_time(&program, &data, &levels).map(|again| (Norm::VTimeMax, again));
         let (n, steps) = (Some(self.space.mesh.n), self.steps);
-        let program = (defect.measured)(program);
+        let program = through(&defect.measured, program);
         // A measurement of the time error that fails leaves the other norms.
         let records = [integrated.to_vec(), in_time.into_iter().collect()].map(|pairs| {
             let norms = pairs.iter().map(|(norm, _)| *norm).collect();
             let case = CasePlan { n, steps, norms };
             let mut record = run_contact_case(&program, &data, &case);
             (defect.case)(&program, &data, &case, &mut record);
-            (pairs, (defect.records)(vec![record]))
+            (pairs, through(&defect.records, vec![record]))
         });
         let mut pairs = records.iter().flat_map(|(pairs, records)| {
             pairs.iter().filter_map(|pair| Some((*pair, records.first()?)))
@@ -183,7 +183,7 @@ impl Referenced {
     }
 
     fn hear(&self, defect: &Defect) -> Option<String> {
-        let seed = defect.moments?;
+        let seed = defect.moments.as_ref()?;
         let (space, sound) = (&*self.coarse.space, &self.truth as &dyn Truth);
         let site = Site { exact: None, interpolated: false, space, sound };
         let mut said = None;
@@ -214,7 +214,7 @@ impl Referenced {
     /// What is said of the sound run.
     fn sound(&self) -> Option<String> {
         self.hear(&Defect {
-            moments: Some(|site, t| Ok((*site.sound.moments(t)?).clone())),
+            moments: Some(Arc::new(|site, t| Ok((*site.sound.moments(t)?).clone()))),
             ..Defect::SOUND
         })
     }

@@ -9,7 +9,7 @@ use judge::verdict::{Decision, Prediction, Variable, Verdict, judge};
 use report::{SceneSummary, write_all, write_junit};
 use serde_json::Value;
 
-use crate::catalogue::{Defect, Shown};
+use crate::catalogue::{Defect, Shown, through};
 
 const HORIZON: f64 = 3.0;
 const FINEST: [u32; 2] = [64, 32];
@@ -60,7 +60,7 @@ pub fn misread(defect: &Defect) -> Vec<(String, String)> {
     let sound = shown();
     let (process, thread) = (std::process::id(), std::thread::current().id());
     let dir = std::env::temp_dir().join(format!("gronwall-readback-{process}-{thread:?}"));
-    let (records, verdicts) = (defect.shown)(sound.clone());
+    let (records, verdicts) = through(&defect.shown, sound.clone());
     let scene = |name: &str| SceneSummary { name: name.into(), ..SceneSummary::default() };
     let scenes = SCENES.map(|(name, ..)| scene(name));
     let nothing = Value::Null;

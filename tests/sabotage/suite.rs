@@ -19,7 +19,7 @@ use scene::setup::{AbstractSetup, MeshData, NewtonMarch, Setup, Subject, referen
 use scene::{Scene, Source};
 use vhi::finite::{FiniteError, FiniteLoad};
 
-use crate::catalogue::{Defect, FiniteSeed, LoadSeed, MomentSeed, site};
+use crate::catalogue::{Defect, FiniteSeed, LoadSeed, MomentSeed, site, through};
 use crate::shipped::{edited, text};
 
 /// A scene with its grids and all that its runs share.
@@ -202,7 +202,7 @@ impl Trial {
     pub fn run(&self, defect: &Defect) -> Outcome {
         let run = AssertUnwindSafe(|| match &self.body {
             Body::Contact { sound, meshes } => {
-                let program = (defect.measured)((defect.program)(fresh(sound)));
+                let program = through(&defect.measured, through(&defect.program, fresh(sound)));
                 let mut records = Vec::new();
                 for (n, space, truth) in meshes {
                     let data = data(defect, &program, sound, space, truth);
@@ -219,7 +219,8 @@ impl Trial {
             }
             Body::Abstract => {
                 let sound = AbstractSetup::new(self.scene.clone());
-                let setup = (defect.abstract_program)(sound.unwrap_or_else(|e| panic!("{e}")));
+                let setup =
+                    through(&defect.abstract_program, sound.unwrap_or_else(|e| panic!("{e}")));
                 let one = |case: &CasePlan| match defect.finite_load {
                     None => run_abstract_case(&setup, case),
                     Some(load) => run_abstract_under(&mut Finite(&setup, load), &setup, case),
@@ -229,16 +230,17 @@ impl Trial {
         });
         // As a sweep does: a panic is a failed case.
         let records = catch_unwind(run).unwrap_or_else(|_| self.failed());
-        self.judge(defect, (defect.records)(records))
+        self.judge(defect, through(&defect.records, records))
     }
 
     /// The verdicts on these records by the judge of a defect.
     pub fn judge(&self, defect: &Defect, mut records: Vec<CaseRecord>) -> Outcome {
         records.sort_by_key(CaseRecord::key);
-        let (read, keys) = (defect.before)((records.clone(), self.keys.clone()));
+        let (read, keys) = through(&defect.before, (records.clone(), self.keys.clone()));
         let judged = |foreseen: &[ForeseenConstant]| {
             let verdicts = judge_scene(&self.scene, &read, &keys, foreseen);
-            (defect.all)(verdicts.into_iter().map(defect.after).collect())
+            let after = verdicts.into_iter().map(|verdict| through(&defect.after, verdict));
+            through(&defect.all, after.collect())
         };
         Outcome { verdicts: judged(&[]), with_constants: judged(&self.foreseen), records }
     }
@@ -295,8 +297,8 @@ pub fn data(
         setup: fresh(sound),
         space: space.clone(),
         sound: truth.clone(),
-        load: defect.load,
-        moments: defect.moments,
+        load: defect.load.clone(),
+        moments: defect.moments.clone(),
         loads: Mutex::default(),
     };
     MeshData::with_truth(space.clone(), Arc::new(seeded))
@@ -323,7 +325,7 @@ struct Seeded {
 
 impl Truth for Seeded {
     fn load(&self, t: f64) -> Result<Arc<Vec<f64>>, LoadError> {
-        let Some(load) = self.load else { return self.sound.load(t) };
+        let Some(load) = &self.load else { return self.sound.load(t) };
         let mut loads = self.loads.lock().expect("loads");
         if let Some(known) = loads.get(&t.to_bits()) {
             return Ok(known.clone());
@@ -338,7 +340,7 @@ impl Truth for Seeded {
     }
 
     fn moments(&self, t: f64) -> Result<Arc<Moments>, LoadError> {
-        match self.moments {
+        match &self.moments {
             None => self.sound.moments(t),
             Some(seed) => seed(&site(&self.setup, &self.space, &*self.sound), t).map(Arc::new),
         }

@@ -6,7 +6,7 @@ use judge::verdict::{
     Decision, Foreseen, LeadingLine, LeadingPoint, Prediction, Variable, Verdict, judge_foreseen,
 };
 
-use crate::catalogue::Defect;
+use crate::catalogue::{Defect, through};
 
 /// A table: steps, errors by the step, and what a judge may say of it.
 struct Table {
@@ -127,7 +127,7 @@ impl Table {
         let mut records = self.records();
         let keys: Vec<Key> = records.iter().map(CaseRecord::key).collect();
         (self.spoil)(&mut records);
-        let (records, keys) = (defect.before)((records, keys));
+        let (records, keys) = through(&defect.before, (records, keys));
         let prediction = Prediction {
             exact: self.exact,
             why: "the formula of the table".into(),
@@ -137,7 +137,7 @@ impl Table {
         let known = foreseen.as_ref();
         let verdict =
             judge_foreseen(self.name, &records, &keys, &prediction, known, Decision::Pass);
-        (defect.after)(verdict)
+        through(&defect.after, verdict)
     }
 
     /// Leading errors `constant` h^order.
@@ -157,7 +157,7 @@ impl Table {
 pub fn misjudged(defect: &Defect) -> Option<String> {
     let tables = tables();
     let verdicts: Vec<Verdict> = tables.iter().map(|table| table.judged(defect)).collect();
-    let verdicts = (defect.all)(verdicts);
+    let verdicts = through(&defect.all, verdicts);
     tables.iter().find_map(|table| {
         let Some(verdict) = verdicts.iter().find(|verdict| verdict.scene == table.name) else {
             return Some(format!("{}: no verdict", table.name));

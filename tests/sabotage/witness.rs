@@ -21,7 +21,7 @@ use studies::theory::gronwall::{
 use vhi::StepBounds;
 use vhi::history::{Memory, TimeGrid};
 
-use crate::catalogue::Defect;
+use crate::catalogue::{Defect, through};
 use crate::fixtures;
 use crate::norms::Norms;
 use crate::shipped::{setup, text};
@@ -43,7 +43,7 @@ impl Stage {
 
     /// The defective program with what it works on.
     fn program(&self, defect: &Defect) -> (Setup, MeshData) {
-        let program = (defect.program)(fresh(&self.sound));
+        let program = through(&defect.program, fresh(&self.sound));
         let data = data(defect, &program, &self.sound, &self.space, &self.truth);
         (program, data)
     }
@@ -220,7 +220,7 @@ impl Witnesses {
         });
         contact.or_else(|| {
             let sound = AbstractSetup::new(self.finite.clone()).expect("a setup");
-            let program = (defect.abstract_program)(sound);
+            let program = through(&defect.abstract_program, sound);
             let subject = Subject::Abstract(Box::new(program));
             let run = prepare(&subject, None, &[64]).ok()?.measure(64).ok()?;
             let says = violated(&run.envelopes().ok()?, &run)?;
@@ -231,7 +231,7 @@ impl Witnesses {
     /// ‖DΛ‖ of the defective model at the last of four levels against the sharpened bound.
     fn bound(&self, defect: &Defect) -> Option<String> {
         self.bounded.iter().find_map(|(sound, bounds)| {
-            let program = (defect.program)(fresh(sound));
+            let program = through(&defect.program, fresh(sound));
             let data = MeshData::new(&program, 2, None).ok()?;
             let k = program.grid(4).step(4);
             let norm = at_level(&program, &data, 4, 4, |level, state| {
@@ -273,12 +273,12 @@ impl Witnesses {
         let affine = || {
             self.affine.iter().find_map(|(stage, row)| {
                 let (program, data) = stage.program(defect);
-                let program = (defect.measured)(program);
+                let program = through(&defect.measured, program);
                 fixtures::affine_disagrees(&stage.sound, &program, &data, row)
             })
         };
         let pointwise = || {
-            let program = (defect.program)(fresh(&self.pointwise));
+            let program = through(&defect.program, fresh(&self.pointwise));
             fixtures::fields_disagree(other_exact(&program, &self.pointwise)?)
         };
         punches.or_else(affine).or_else(pointwise)

@@ -1,17 +1,17 @@
 //! Wrong parts of the abstract problem in ℝ^m.
 
-use scene::setup::AbstractSetup;
 use vhi::finite::ComponentLaw;
 use vhi::law::HistoryKernel;
 
-use super::{Defect, Term};
+use super::Defect;
+use super::Term::Abstract;
 
-/// q with its arguments exchanged.
-struct Exchanged(Box<dyn HistoryKernel + Send + Sync>);
+/// A kernel of two times by a function.
+pub(super) struct Kernel<F>(pub(super) F);
 
-impl HistoryKernel for Exchanged {
+impl<F: Fn(f64, f64) -> f64> HistoryKernel for Kernel<F> {
     fn at(&self, t: f64, s: f64) -> f64 {
-        self.0.at(s, t)
+        (self.0)(t, s)
     }
 }
 
@@ -31,50 +31,28 @@ impl ComponentLaw for Scaled {
 }
 
 pub fn defects() -> Vec<Defect> {
-    let of = |name, abstract_program: fn(AbstractSetup) -> AbstractSetup| Defect {
-        abstract_program,
-        ..Defect::none(Term::Abstract, name)
-    };
     vec![
-        of("a_S forgotten", |mut setup| {
-            setup.model.a_s.fill(0.0);
-            setup
-        }),
-        of("R transposed", |mut setup| {
-            setup.model.r = setup.model.r.transpose();
-            setup
-        }),
-        of("q(s, t) in place of q(t, s)", |mut setup| {
+        Abstract.finite("a_S forgotten", |setup| setup.model.a_s.fill(0.0)),
+        Abstract.finite("R transposed", |setup| setup.model.r.transpose_mut()),
+        Abstract.finite("q(s, t) in place of q(t, s)", |setup| {
             for term in &mut setup.model.kernels {
-                let sound = std::mem::replace(&mut term.kernel, Box::new(Nothing));
-                term.kernel = Box::new(Exchanged(sound));
+                let sound = std::mem::replace(&mut term.kernel, Box::new(Kernel(|_, _| 0.0)));
+                term.kernel = Box::new(Kernel(move |t, s| sound.at(s, t)));
             }
-            setup
         }),
-        of("operator made symmetric", |mut setup| {
+        Abstract.finite("operator made symmetric", |setup| {
             let matrix = &setup.model.matrix;
             setup.model.matrix = 0.5 * (matrix + matrix.transpose());
-            setup
         }),
-        of("φ at 0.99 S u", |mut setup| {
+        Abstract.finite("φ at 0.99 S u", |setup| {
             let force = std::mem::take(&mut setup.model.force);
             setup.model.force =
                 force.into_iter().map(|law| Box::new(Scaled(law, 0.99)) as _).collect();
-            setup
         }),
-        of("lower bounds ignored", |mut setup| {
+        Abstract.finite("lower bounds ignored", |setup| {
             for functional in &mut setup.model.functionals {
                 functional.lower = f64::NEG_INFINITY;
             }
-            setup
         }),
     ]
-}
-
-struct Nothing;
-
-impl HistoryKernel for Nothing {
-    fn at(&self, _: f64, _: f64) -> f64 {
-        0.0
-    }
 }

@@ -4,10 +4,10 @@
 use algebra::linalg::FactorError;
 use fem::contact::{
     BoundaryRule, CaseError, CaseInfo, Discretization, Evolution, KKT_ALLOWED, LastSlot, Model,
-    Observer, StepView, kkt_residual,
+    StepView, kkt_residual,
 };
 use fem::space::quadrature::gauss_legendre;
-use scene::setup::{MeshData, Setup, TruthLoad};
+use scene::setup::TruthLoad;
 use vhi::history::TimeGrid;
 use vhi::law::{Potential, Projection};
 use vhi::{
@@ -15,27 +15,39 @@ use vhi::{
     StepState, Stepper,
 };
 
+use super::{Marched, Run};
+
 /// What is committed for level n: from the solution, the state before the solve, and what was committed last.
 pub type Commit = fn(usize, &StepState, &StepState, &StepState) -> StepState;
 
 /// A force at displacements, written into the second.
 type Force<'a> = dyn Fn(&[f64], &mut [f64]) + 'a;
 
-/// An evolution with another commit.
-struct Tampered<'a> {
-    inner: Evolution<'a>,
+/// What is done to the levels.
+struct Hand<'f> {
     commit: Commit,
+    /// Whether levels are solved with the last weights of level 1.
+    stale: bool,
+    /// A force besides that of the level.
+    beside: Option<&'f Force<'f>>,
+}
+
+impl Hand<'_> {
+    const NONE: Self = Hand { commit: SOUND, stale: false, beside: None };
+}
+
+/// An evolution with a hand in it.
+struct Tampered<'a, 'f> {
+    inner: Evolution<'a>,
+    hand: Hand<'f>,
     level: usize,
     start: StepState,
     last: StepState,
-    /// Whether levels are solved with the last weights of level 1, and those weights and the level's.
-    stale: bool,
+    /// The last weights of level 1, and the level's.
     slots: Option<[LastSlot; 2]>,
-    /// A force besides that of the level.
-    beside: Option<&'a Force<'a>>,
 }
 
-impl HistoryInequality for Tampered<'_> {
+impl HistoryInequality for Tampered<'_, '_> {
     type Error = CaseError;
 
     fn grid(&self) -> &TimeGrid {
@@ -44,7 +56,7 @@ impl HistoryInequality for Tampered<'_> {
 
     fn open(&mut self) -> Result<(), CaseError> {
         self.inner.open()?;
-        if self.stale && self.level > 0 {
+        if self.hand.stale && self.level > 0 {
             let of_level = self.inner.last_slot();
             let first = self.slots.take().map_or_else(|| of_level.clone(), |[first, _]| first);
             self.inner.set_last_slot(first.clone());
@@ -54,7 +66,7 @@ impl HistoryInequality for Tampered<'_> {
     }
 
     fn commit(&mut self, solution: &StepState) {
-        let committed = (self.commit)(self.level, solution, &self.start, &self.last);
+        let committed = (self.hand.commit)(self.level, solution, &self.start, &self.last);
         if let Some([_, of_level]) = &self.slots {
             self.inner.set_last_slot(of_level.clone());
         }
@@ -67,7 +79,7 @@ impl HistoryInequality for Tampered<'_> {
     }
 }
 
-impl OpenInequality for Tampered<'_> {
+impl OpenInequality for Tampered<'_, '_> {
     fn freeze(&mut self, eta: Option<&[f64]>) {
         self.inner.freeze(eta);
     }
@@ -77,7 +89,7 @@ impl OpenInequality for Tampered<'_> {
     }
 }
 
-impl StepInequality for Tampered<'_> {
+impl StepInequality for Tampered<'_, '_> {
     fn dofs(&self) -> usize {
         self.inner.dofs()
     }
@@ -91,7 +103,7 @@ impl StepInequality for Tampered<'_> {
             self.start.u = u.to_vec();
         }
         self.inner.residual(u, out);
-        if let Some(beside) = self.beside {
+        if let Some(beside) = self.hand.beside {
             beside(u, out);
         }
     }
@@ -110,62 +122,37 @@ impl StepInequality for Tampered<'_> {
 }
 
 /// Solves all levels by `solver`.
-pub fn march(
-    setup: &Setup,
-    data: &MeshData,
-    steps: u32,
-    observe: &mut Observer<'_>,
+pub(super) fn march(
+    run: Run<'_>,
     solver: &dyn StepSolver,
     commit: Commit,
     checked: bool,
-) -> Result<CaseInfo, CaseError> {
-    let (space, model, grid) = (&*data.space, &setup.model, setup.grid(steps));
-    let mut load = TruthLoad(&*data.truth);
-    let inner = Evolution::new(space, model, &grid, &mut load).expect("an analysis");
-    run(setup, data, Tampered::new(inner, commit, false), observe, solver, checked)
+) -> Marched {
+    levels(run, Hand { commit, ..Hand::NONE }, solver, checked)
 }
 
 /// What a level leaves is its solution.
-const SOUND: Commit = |_, solution, _, _| solution.clone();
+pub(super) const SOUND: Commit = |_, solution, _, _| solution.clone();
 
 /// Solves all levels with `solver`, and does not check the KKT system.
-pub fn unchecked(
-    setup: &Setup,
-    data: &MeshData,
-    steps: u32,
-    observe: &mut Observer<'_>,
-    solver: &dyn StepSolver,
-) -> Result<CaseInfo, CaseError> {
-    march(setup, data, steps, observe, solver, SOUND, false)
+pub(super) fn unchecked(run: Run<'_>, solver: &dyn StepSolver) -> Marched {
+    march(run, solver, SOUND, false)
 }
 
 /// Solves all levels as if the factor of level 1 served them all: with its last weights.
-pub fn march_stale(
-    setup: &Setup,
-    data: &MeshData,
-    steps: u32,
-    observe: &mut Observer<'_>,
-    checked: bool,
-) -> Result<CaseInfo, CaseError> {
-    let (grid, mut load) = (setup.grid(steps), TruthLoad(&*data.truth));
-    let inner = Evolution::new(&data.space, &setup.model, &grid, &mut load).expect("an analysis");
-    run(setup, data, Tampered::new(inner, SOUND, true), observe, &Newton::default(), checked)
+pub(super) fn march_stale(run: Run<'_>, checked: bool) -> Marched {
+    levels(run, Hand { stale: true, ..Hand::NONE }, &Newton::default(), checked)
 }
 
 /// Solves all levels with two Gauss points on each edge of Γ3 where the scheme has three; the KKT system is checked.
-pub fn march_by_two_points(
-    setup: &Setup,
-    data: &MeshData,
-    steps: u32,
-    observe: &mut Observer<'_>,
-) -> Result<CaseInfo, CaseError> {
-    let (space, model, grid) = (&*data.space, &setup.model, setup.grid(steps));
+pub(super) fn march_by_two_points(run: Run<'_>) -> Marched {
+    let (space, model) = (&*run.data.space, &run.setup.model);
     let Some(boundary) = model
         .boundary
         .first()
         .filter(|b| b.rule == BoundaryRule::Gauss && space.mesh.dimension == 2)
     else {
-        return data.march(setup, steps, &Newton::default(), observe);
+        return run.sound();
     };
     // Two points less three.
     let points = [gauss_legendre(2), gauss_legendre(3)].into_iter().zip([1.0, -1.0]);
@@ -197,28 +184,15 @@ pub fn march_by_two_points(
             }
         }
     };
-    let mut load = TruthLoad(&*data.truth);
+    levels(run, Hand { beside: Some(&force), ..Hand::NONE }, &Newton::default(), true)
+}
+
+fn levels(run: Run<'_>, hand: Hand<'_>, solver: &dyn StepSolver, checked: bool) -> Marched {
+    let (space, model, grid) = (&*run.data.space, &run.setup.model, run.setup.grid(run.steps));
+    let mut load = TruthLoad(&*run.data.truth);
     let inner = Evolution::new(space, model, &grid, &mut load).expect("an analysis");
-    let levels = Tampered { beside: Some(&force), ..Tampered::new(inner, SOUND, false) };
-    run(setup, data, levels, observe, &Newton::default(), true)
-}
-
-impl<'a> Tampered<'a> {
-    fn new(inner: Evolution<'a>, commit: Commit, stale: bool) -> Self {
-        let (start, last) = (StepState::default(), StepState::default());
-        Self { inner, commit, level: 0, start, last, stale, slots: None, beside: None }
-    }
-}
-
-fn run(
-    setup: &Setup,
-    data: &MeshData,
-    mut levels: Tampered<'_>,
-    observe: &mut Observer<'_>,
-    solver: &dyn StepSolver,
-    checked: bool,
-) -> Result<CaseInfo, CaseError> {
-    let (space, model, grid) = (&*data.space, &setup.model, levels.inner.grid().clone());
+    let (start, last) = (StepState::default(), StepState::default());
+    let mut levels = Tampered { inner, hand, level: 0, start, last, slots: None };
     let mut stepper = Stepper::new(&levels, solver);
     let mut info = CaseInfo::default();
     let mut shown = Shown::new(space);
@@ -231,7 +205,7 @@ fn run(
             let t = grid.time(n);
             return Err(CaseError::Kkt { n, t, residual, allowed: KKT_ALLOWED });
         }
-        observe(&view)?;
+        (run.observe)(&view)?;
     }
     Ok(info)
 }

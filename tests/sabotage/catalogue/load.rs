@@ -3,13 +3,14 @@
 use std::sync::Arc;
 
 use exact::constitutive::{Tensor, stress};
-use exact::{Exact, ExactData, MaterialNumbers};
+use exact::{Exact, MaterialNumbers};
 use fem::contact::{Discretization, LoadError, facet_measure, stress_force};
 use fem::space::Element;
 use fem::space::quadrature::{Rule, TruthRules, edge, triangle_degree_4};
 use scene::setup::Setup;
 
-use super::{Defect, LoadSeed, Site, Term};
+use super::Term::Load;
+use super::{Defect, Site};
 
 /// ε and H at points, from the compiled formulas.
 fn fields(exact: &Exact, points: &[[f64; 3]], t: f64) -> Vec<(Tensor<2>, Tensor<2>)> {
@@ -118,74 +119,57 @@ fn degree_zero(site: &Site<'_>, t: f64) -> Result<Vec<f64>, LoadError> {
     })
 }
 
-fn memory_reversed(site: &Site<'_>, t: f64) -> Result<Vec<f64>, LoadError> {
-    changed(site, t, |exact| {
-        let at = |law: Law| volume(exact, site.space, t, &triangle_degree_4(), law);
-        let reversed: Law = |material, strain, memory, kappa| {
-            stress(material, strain, &[memory.map(|row| row.map(|h| -h))], kappa)
-        };
-        (at(reversed), at(sound))
+/// The part of the volume under another law.
+fn volume_by(name: &'static str, law: Law) -> Defect {
+    Load.load(name, move |site, t| {
+        changed(site, t, |exact| {
+            let at = |law: Law| volume(exact, site.space, t, &triangle_degree_4(), law);
+            (at(law), at(sound))
+        })
     })
-}
-
-fn without_yield(site: &Site<'_>, t: f64) -> Result<Vec<f64>, LoadError> {
-    changed(site, t, |exact| {
-        let at = |law: Law| volume(exact, site.space, t, &triangle_degree_4(), law);
-        let elastic: Law =
-            |material, strain, memory, _| sound(material, strain, memory, f64::INFINITY);
-        (at(elastic), at(sound))
-    })
-}
-
-fn wrong_side(site: &Site<'_>, t: f64) -> Result<Vec<f64>, LoadError> {
-    changed(site, t, |exact| {
-        let put = |at: f64| traction(exact, site.space, t, 0.0, at);
-        (put(1.0), put(0.0))
-    })
-}
-
-fn no_traction(site: &Site<'_>, t: f64) -> Result<Vec<f64>, LoadError> {
-    changed(site, t, |exact| {
-        let left = traction(exact, site.space, t, 0.0, 0.0);
-        (vec![0.0; left.len()], left)
-    })
-}
-
-/// F(t - 0.001): a load that is late by a thousandth of the time unit.
-fn late(site: &Site<'_>, t: f64) -> Result<Vec<f64>, LoadError> {
-    Ok(site.sound.load((t - 1e-3).max(0.0))?.to_vec())
-}
-
-fn stronger(site: &Site<'_>, t: f64) -> Result<Vec<f64>, LoadError> {
-    Ok(site.sound.load(t)?.iter().map(|f| 1.001 * f).collect())
 }
 
 /// The exact side of a scene with other numbers in f0, all else as it is.
-fn other_body_force(mut setup: Setup) -> Setup {
-    let Some(sound) = &setup.exact else { return setup };
-    let rebuilt = |change: fn(&mut MaterialNumbers)| {
-        let mut data = sound.data.clone();
-        change(&mut data.material);
-        Exact::new(data)
-    };
-    let other =
-        rebuilt(|numbers| numbers.memory = numbers.memory.iter().map(|(l, m)| (-l, -m)).collect());
-    let mut written = rebuilt(|_| ());
-    written.forces = other.forces;
+fn other_body_force(setup: &mut Setup) {
+    let Some(sound) = &setup.exact else { return };
+    let mut written = Exact::new(sound.data.clone());
+    let mut data = sound.data.clone();
+    data.material.memory = data.material.memory.iter().map(|(l, m)| (-l, -m)).collect();
+    written.forces = Exact::new(data).forces;
     setup.exact = Some(Arc::new(written));
-    setup
 }
 
 pub fn defects() -> Vec<Defect> {
-    let of = |name, load: LoadSeed| Defect { load: Some(load), ..Defect::none(Term::Load, name) };
     vec![
-        of("load quadrature of degree 0", degree_zero),
-        of("memory part of the load with the other sign", memory_reversed),
-        of("load without its projection part", without_yield),
-        of("f2 of the left side put on the right", wrong_side),
-        of("no f2 on the left side", no_traction),
-        of("load late by 0.001", late),
-        of("load 0.1 % too strong", stronger),
-        Defect::of(Term::Load, "memory part of f0 with the other sign", other_body_force),
+        Load.load("load quadrature of degree 0", degree_zero),
+        volume_by(
+            "memory part of the load with the other sign",
+            |material, strain, memory, kappa| {
+                sound(material, strain, &memory.map(|row| row.map(|h| -h)), kappa)
+            },
+        ),
+        volume_by("load without its projection part", |material, strain, memory, _| {
+            sound(material, strain, memory, f64::INFINITY)
+        }),
+        Load.load("f2 of the left side put on the right", |site, t| {
+            changed(site, t, |exact| {
+                let put = |at: f64| traction(exact, site.space, t, 0.0, at);
+                (put(1.0), put(0.0))
+            })
+        }),
+        Load.load("no f2 on the left side", |site, t| {
+            changed(site, t, |exact| {
+                let left = traction(exact, site.space, t, 0.0, 0.0);
+                (vec![0.0; left.len()], left)
+            })
+        }),
+        // By a thousandth of the time unit.
+        Load.load("load late by 0.001", |site, t| {
+            Ok(site.sound.load((t - 1e-3).max(0.0))?.to_vec())
+        }),
+        Load.load("load 0.1 % too strong", |site, t| {
+            Ok(site.sound.load(t)?.iter().map(|f| 1.001 * f).collect())
+        }),
+        Load.of("memory part of f0 with the other sign", other_body_force),
     ]
 }

@@ -1,34 +1,25 @@
 //! Wrong elasticity: numbers, and a shear counted twice as an extra stress.
 
 use algebra::tensor::Symmetric;
-use fem::contact::{CaseError, CaseInfo, Model, Observer, march};
-use scene::setup::{MeshData, Setup, TruthLoad, YieldFormula};
-use vhi::Newton;
+use fem::contact::Model;
+use scene::setup::YieldFormula;
 use vhi::law::{AnyProjection, Isotropic, Projection, Response, VonMises, YieldLimit};
 
-use super::{Defect, Term, marched};
+use super::Term::Elasticity;
+use super::projection::Limit;
+use super::{Defect, Marched, Run};
 
-fn numbers(mut setup: Setup, change: fn(Isotropic) -> Isotropic) -> Setup {
-    setup.model.elasticity = setup.model.elasticity.map(change);
-    setup
-}
-
-/// No limit: the projection itself never acts.
-struct Unlimited;
-
-impl YieldLimit for Unlimited {
-    fn value(&self, _: f64) -> f64 {
-        f64::INFINITY
-    }
-    fn slope(&self, _: f64) -> f64 {
-        0.0
-    }
+fn numbers(name: &'static str, change: fn(Isotropic) -> Isotropic) -> Defect {
+    Elasticity.of(name, move |setup| {
+        setup.model.elasticity = setup.model.elasticity.map(change);
+    })
 }
 
 /// 2 μ_L ε_ij for i ≠ j once more.
-struct ShearTwice {
+struct ShearTwice<L> {
     sound: Option<VonMises<YieldFormula>>,
     mu: f64,
+    unlimited: L,
 }
 
 /// Normal components in a Mandel vector of S.
@@ -36,7 +27,7 @@ fn normals(components: usize) -> usize {
     if components == 3 { 2 } else { 3 }
 }
 
-impl Projection for ShearTwice {
+impl<L: YieldLimit> Projection for ShearTwice<L> {
     fn stress<const S: usize>(&self, strain: &Symmetric<S>, kappa: f64) -> Option<Symmetric<S>> {
         let mut stress = self.sound.stress(strain, kappa).unwrap_or([0.0; S]);
         for i in normals(S)..S {
@@ -56,47 +47,32 @@ impl Projection for ShearTwice {
     }
 
     fn limit(&self) -> Option<&dyn YieldLimit> {
-        Some(self.sound.limit().unwrap_or(&Unlimited))
+        Some(self.sound.limit().unwrap_or(&self.unlimited))
     }
 }
 
-fn shear_twice(
-    setup: &Setup,
-    data: &MeshData,
-    steps: u32,
-    observe: &mut Observer<'_>,
-) -> Result<CaseInfo, CaseError> {
+fn shear_twice(run: Run<'_>) -> Marched {
+    let (setup, data) = (run.setup, run.data);
     let sound = setup.scene_model();
     // 2 μ_L ε_xy of a strain ε_xy = 1/√2.
     let mu = 0.5 * sound.elasticity.on(0).apply(&[0.0, 0.0, 1.0])[2];
-    let twice = ShearTwice { sound: setup.scene_projection(), mu };
-    let model = Model { projection: Some(AnyProjection::new(twice)), ..sound };
-    let mut load = TruthLoad(&*data.truth);
-    march(&data.space, &model, &setup.grid(steps), &mut load, &Newton::default(), observe)
+    // No limit: the projection itself never acts.
+    let unlimited = Limit { value: |_| f64::INFINITY, slope: |_| 0.0 };
+    let twice = ShearTwice { sound: setup.scene_projection(), mu, unlimited };
+    run.on(&data.space, &Model { projection: Some(AnyProjection::new(twice)), ..sound })
 }
 
 pub fn defects() -> Vec<Defect> {
-    let of = |name, program| Defect::of(Term::Elasticity, name, program);
     vec![
-        of("Lamé numbers exchanged", |setup| {
-            numbers(setup, |a| Isotropic { lambda: a.mu, mu: a.lambda })
+        numbers("Lamé numbers exchanged", |a| Isotropic { lambda: a.mu, mu: a.lambda }),
+        numbers("μ_L ε in place of 2 μ_L ε", |a| Isotropic { mu: 0.5 * a.mu, ..a }),
+        Elasticity.run("shear stress counted twice", shear_twice),
+        numbers("λ of plane stress", |a| Isotropic {
+            lambda: 2.0 * a.lambda * a.mu / (a.lambda + 2.0 * a.mu),
+            ..a
         }),
-        of("μ_L ε in place of 2 μ_L ε", |setup| {
-            numbers(setup, |a| Isotropic { mu: 0.5 * a.mu, ..a })
-        }),
-        of("shear stress counted twice", |setup| marched(setup, shear_twice)),
-        of("λ of plane stress", |setup| {
-            numbers(setup, |a| {
-                let lambda = 2.0 * a.lambda * a.mu / (a.lambda + 2.0 * a.mu);
-                Isotropic { lambda, ..a }
-            })
-        }),
-        of("trace without λ", |setup| numbers(setup, |a| Isotropic { lambda: 0.0, ..a })),
-        of("μ_L off by 1e-4", |setup| {
-            numbers(setup, |a| Isotropic { mu: a.mu * (1.0 + 1e-4), ..a })
-        }),
-        of("λ off by 1e-8", |setup| {
-            numbers(setup, |a| Isotropic { lambda: a.lambda * (1.0 + 1e-8), ..a })
-        }),
+        numbers("trace without λ", |a| Isotropic { lambda: 0.0, ..a }),
+        numbers("μ_L off by 1e-4", |a| Isotropic { mu: a.mu * (1.0 + 1e-4), ..a }),
+        numbers("λ off by 1e-8", |a| Isotropic { lambda: a.lambda * (1.0 + 1e-8), ..a }),
     ]
 }

@@ -1,46 +1,23 @@
 //! Wrong measures of a right solution.
 
 use exact::Exact;
-use fem::contact::{LoadError, StepView};
+use fem::contact::StepView;
 use fem::norms::{AtPoints, Moments};
 use fem::space::{Element, strain_of};
-use scene::setup::Setup;
-use std::sync::Arc;
 
-use fem::contact::{CaseError, CaseInfo, Observer};
-use scene::setup::{MeshData, Scheme};
+use super::Term::Measurement;
+use super::{Defect, Site};
 
-use super::{Defect, MomentSeed, Site, Term};
-
-/// The levels of a scheme through a filter of (n, N) and a change of the time that is read off.
-struct Filtered {
-    sound: Arc<dyn Scheme>,
+/// The levels of a scheme through a filter of (n, N) and a change of the time that is read off: that of another level.
+fn filtered(
+    name: &'static str,
     seen: fn(usize, usize) -> bool,
-    /// Level whose time is taken for that of level n.
     timed: fn(usize) -> usize,
-}
-
-impl Scheme for Filtered {
-    fn march(
-        &self,
-        setup: &Setup,
-        data: &MeshData,
-        steps: u32,
-        observe: &mut Observer<'_>,
-    ) -> Result<CaseInfo, CaseError> {
-        let grid = setup.grid(steps);
-        self.sound.march(setup, data, steps, &mut |view| {
-            if !(self.seen)(view.n, grid.steps()) {
-                return Ok(());
-            }
-            observe(&StepView { t: grid.time((self.timed)(view.n)), ..*view })
-        })
-    }
-}
-
-fn filtered(mut setup: Setup, seen: fn(usize, usize) -> bool, timed: fn(usize) -> usize) -> Setup {
-    setup.scheme = Arc::new(Filtered { sound: setup.scheme, seen, timed });
-    setup
+) -> Defect {
+    Measurement.seen(name, move |grid, view, observe| match seen(view.n, grid.steps()) {
+        true => observe(&StepView { t: grid.time(timed(view.n)), ..*view }),
+        false => Ok(()),
+    })
 }
 
 /// The exact solution, where strains are constant on cells and u is not.
@@ -49,8 +26,7 @@ fn of_linear_elements<'a>(site: &Site<'a>) -> Option<&'a Exact> {
 }
 
 /// ε(u) at the centroids, where P1 elements superconverge.
-fn at_centroids(site: &Site<'_>, t: f64) -> Result<Moments, LoadError> {
-    let mut moments = (*site.sound.moments(t)?).clone();
+fn at_centroids(site: &Site<'_>, t: f64, moments: &mut Moments) {
     if let Some(exact) = of_linear_elements(site) {
         let mesh = &site.space.mesh;
         let points: Vec<[f64; 3]> =
@@ -62,12 +38,10 @@ fn at_centroids(site: &Site<'_>, t: f64) -> Result<Moments, LoadError> {
             .collect();
         moments.strain = AtPoints { at: mean, rest: 0.0 };
     }
-    Ok(moments)
 }
 
 /// ε of the nodal interpolant of u.
-fn of_interpolant(site: &Site<'_>, t: f64) -> Result<Moments, LoadError> {
-    let mut moments = (*site.sound.moments(t)?).clone();
+fn of_interpolant(site: &Site<'_>, t: f64, moments: &mut Moments) {
     if let Some(exact) = of_linear_elements(site) {
         let (mesh, nodes) = (&site.space.mesh, &site.space.nodes);
         let points: Vec<[f64; 3]> =
@@ -86,44 +60,23 @@ fn of_interpolant(site: &Site<'_>, t: f64) -> Result<Moments, LoadError> {
             .collect();
         moments.strain = AtPoints { at: mean, rest: 0.0 };
     }
-    Ok(moments)
-}
-
-/// ‖ε(u) - Πε(u)‖ left out: the distance to the means alone.
-fn without_rest(site: &Site<'_>, t: f64) -> Result<Moments, LoadError> {
-    let mut moments = (*site.sound.moments(t)?).clone();
-    moments.strain.rest = 0.0;
-    Ok(moments)
-}
-
-/// Half of the squared rest lost, as a rule that misses it would.
-fn half_rest(site: &Site<'_>, t: f64) -> Result<Moments, LoadError> {
-    let mut moments = (*site.sound.moments(t)?).clone();
-    moments.strain.rest *= 0.5;
-    Ok(moments)
 }
 
 pub fn defects() -> Vec<Defect> {
-    let sees = |name, measured: fn(Setup) -> Setup| Defect {
-        measured,
-        ..Defect::none(Term::Measurement, name)
-    };
-    let measures = |name, moments: MomentSeed| Defect {
-        moments: Some(moments),
-        ..Defect::none(Term::Measurement, name)
-    };
     vec![
-        sees("maximum over the first half of the steps", |setup| {
-            filtered(setup, |n, steps| 2 * n <= steps, |n| n)
+        filtered("maximum over the first half of the steps", |n, steps| 2 * n <= steps, |n| n),
+        filtered("maximum over every fourth level", |n, _| n % 4 == 0, |n| n),
+        filtered("u_n compared with u(t_{n-1})", |_, _| true, |n| n.saturating_sub(1)),
+        filtered("error at t = 0 alone", |n, _| n == 0, |n| n),
+        Measurement.moments("error norm by the one-point rule", at_centroids),
+        Measurement.moments("error against the interpolant", of_interpolant),
+        // ‖ε(u) - Πε(u)‖ left out: the distance to the means alone.
+        Measurement.moments("error against the projection of ε(u)", |_, _, moments| {
+            moments.strain.rest = 0.0;
         }),
-        sees("maximum over every fourth level", |setup| filtered(setup, |n, _| n % 4 == 0, |n| n)),
-        sees("u_n compared with u(t_{n-1})", |setup| {
-            filtered(setup, |_, _| true, |n| n.saturating_sub(1))
+        // Half of the squared rest, as a rule that misses it would.
+        Measurement.moments("half of the interpolation error lost", |_, _, moments| {
+            moments.strain.rest *= 0.5;
         }),
-        sees("error at t = 0 alone", |setup| filtered(setup, |n, _| n == 0, |n| n)),
-        measures("error norm by the one-point rule", at_centroids),
-        measures("error against the interpolant", of_interpolant),
-        measures("error against the projection of ε(u)", without_rest),
-        measures("half of the interpolation error lost", half_rest),
     ]
 }

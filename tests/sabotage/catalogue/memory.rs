@@ -1,88 +1,75 @@
 //! Wrong kernels and tensors of the memory term.
 
 use fem::contact::MemoryTerm;
-use scene::setup::Setup;
 use vhi::law::{Isotropic, MemoryKernel};
 
-use super::{Defect, Term};
+use super::Defect;
+use super::Term::Memory;
 
-/// A kernel through a function of its value and lag; the sum is direct.
-struct Changed {
-    sound: Box<dyn MemoryKernel>,
-    change: fn(f64, f64) -> f64,
+/// A kernel by a function of its lag; the sum is direct unless there are exponentials.
+pub(super) struct Kernel<F> {
+    value: F,
+    exponentials: Option<Vec<(f64, f64)>>,
 }
 
-impl MemoryKernel for Changed {
-    fn value(&self, lag: f64) -> f64 {
-        (self.change)(self.sound.value(lag), lag)
+impl<F> Kernel<F> {
+    pub(super) fn of(value: F) -> Self {
+        Self { value, exponentials: None }
     }
 }
 
-fn kernel(mut setup: Setup, change: fn(f64, f64) -> f64) -> Setup {
-    let changed = |MemoryTerm { kernel, tensor }| MemoryTerm {
-        kernel: Box::new(Changed { sound: kernel, change }),
-        tensor,
-    };
-    setup.model.memory = setup.model.memory.into_iter().map(changed).collect();
-    setup
-}
-
-fn tensor(mut setup: Setup, change: fn(Isotropic) -> Isotropic) -> Setup {
-    for memory in &mut setup.model.memory {
-        memory.tensor = memory.tensor.map(change);
-    }
-    setup
-}
-
-/// A kernel whose recursion has other decay rates than its values.
-struct OtherRates {
-    sound: Box<dyn MemoryKernel>,
-    terms: Vec<(f64, f64)>,
-}
-
-impl MemoryKernel for OtherRates {
+impl<F: Fn(f64) -> f64 + Send + Sync> MemoryKernel for Kernel<F> {
     fn value(&self, lag: f64) -> f64 {
-        self.sound.value(lag)
+        (self.value)(lag)
     }
 
     fn exponentials(&self) -> Option<&[(f64, f64)]> {
-        Some(&self.terms)
+        self.exponentials.as_deref()
     }
 }
 
-fn other_rates(mut setup: Setup) -> Setup {
-    let changed = |MemoryTerm { kernel, tensor }: MemoryTerm| {
-        let terms = kernel
-            .exponentials()
-            .map(|terms| terms.iter().map(|&(a, c)| (a, 1.02 * c)).collect::<Vec<_>>());
-        match terms {
-            Some(terms) => {
-                MemoryTerm { kernel: Box::new(OtherRates { sound: kernel, terms }), tensor }
-            }
-            None => MemoryTerm { kernel, tensor },
+/// Other kernels, each made of the sound one.
+pub(super) fn kernels(
+    name: &'static str,
+    change: impl Fn(Box<dyn MemoryKernel>) -> Box<dyn MemoryKernel> + Send + Sync + 'static,
+) -> Defect {
+    Memory.of(name, move |setup| {
+        let memory = std::mem::take(&mut setup.model.memory).into_iter();
+        let changed = |term: MemoryTerm| MemoryTerm { kernel: change(term.kernel), ..term };
+        setup.model.memory = memory.map(changed).collect();
+    })
+}
+
+/// Kernels through a function of value and lag.
+fn kernel(name: &'static str, change: fn(f64, f64) -> f64) -> Defect {
+    kernels(name, move |sound| Box::new(Kernel::of(move |lag| change(sound.value(lag), lag))))
+}
+
+fn tensor(name: &'static str, change: fn(Isotropic) -> Isotropic) -> Defect {
+    Memory.of(name, move |setup| {
+        for memory in &mut setup.model.memory {
+            memory.tensor = memory.tensor.map(change);
         }
-    };
-    setup.model.memory = setup.model.memory.into_iter().map(changed).collect();
-    setup
+    })
 }
 
 pub fn defects() -> Vec<Defect> {
-    let of = |name, program| Defect::of(Term::Memory, name, program);
     vec![
-        of("ℬ(0) dropped", |setup| kernel(setup, |b, lag| if lag == 0.0 { 0.0 } else { b })),
-        of("memory with the other sign", |setup| kernel(setup, |b, _| -b)),
-        of("memory twice as strong", |setup| kernel(setup, |b, _| 2.0 * b)),
-        of("memory 1 % too strong", |setup| kernel(setup, |b, _| 1.01 * b)),
-        of("no memory", |mut setup| {
-            setup.model.memory.clear();
-            setup
+        kernel("ℬ(0) dropped", |b, lag| if lag == 0.0 { 0.0 } else { b }),
+        kernel("memory with the other sign", |b, _| -b),
+        kernel("memory twice as strong", |b, _| 2.0 * b),
+        kernel("memory 1 % too strong", |b, _| 1.01 * b),
+        Memory.of("no memory", |setup| setup.model.memory.clear()),
+        tensor("memory without the trace of its tensor", |b| Isotropic { lambda: 0.0, ..b }),
+        tensor("Lamé numbers of the memory exchanged", |b| Isotropic {
+            lambda: b.mu,
+            mu: b.lambda,
         }),
-        of("memory without the trace of its tensor", |setup| {
-            tensor(setup, |b| Isotropic { lambda: 0.0, ..b })
+        // Other decay rates than those of its values.
+        kernels("recursion with rates 2 % off", |sound| {
+            let Some(terms) = sound.exponentials() else { return sound };
+            let terms = terms.iter().map(|&(a, c)| (a, 1.02 * c)).collect();
+            Box::new(Kernel { value: move |lag| sound.value(lag), exponentials: Some(terms) })
         }),
-        of("Lamé numbers of the memory exchanged", |setup| {
-            tensor(setup, |b| Isotropic { lambda: b.mu, mu: b.lambda })
-        }),
-        of("recursion with rates 2 % off", other_rates),
     ]
 }

@@ -31,7 +31,9 @@ pub use solver::sound_loop;
 use std::sync::Arc;
 
 use exact::{Exact, Truth};
-use fem::contact::{CaseError, CaseInfo, Discretization, Load, LoadError, Observer, march};
+use fem::contact::{
+    CaseError, CaseInfo, Discretization, Load, LoadError, Model, Observer, StepView, march,
+};
 use fem::norms::Moments;
 use judge::record::{CaseRecord, Key};
 use judge::verdict::Verdict;
@@ -39,8 +41,9 @@ use nalgebra::DVector;
 use run::external::Answer;
 use run::sweep::CasePlan;
 use scene::Data;
-use scene::setup::{AbstractSetup, MeshData, Scheme, Setup};
-use vhi::Newton;
+use scene::setup::{AbstractSetup, MeshData, Scheme, Setup, TruthLoad};
+use vhi::history::TimeGrid;
+use vhi::{Newton, OpenInequality, Scratch, StepError, StepInfo, StepSolver, StepState};
 
 /// What a defect belongs to: a term of (5.1)-(5.5), or a part of the program.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -104,9 +107,9 @@ pub struct Site<'a> {
 }
 
 /// F(t) of a defective load.
-pub type LoadSeed = fn(&Site<'_>, f64) -> Result<Vec<f64>, LoadError>;
+pub type LoadSeed = Arc<dyn Fn(&Site<'_>, f64) -> Result<Vec<f64>, LoadError> + Send + Sync>;
 /// The moments of a defective truth.
-pub type MomentSeed = fn(&Site<'_>, f64) -> Result<Moments, LoadError>;
+pub type MomentSeed = Arc<dyn Fn(&Site<'_>, f64) -> Result<Moments, LoadError> + Send + Sync>;
 /// f(t) of a defective load of an abstract problem.
 pub type FiniteSeed = fn(&AbstractSetup, f64) -> DVector<f64>;
 /// What a defective measurement writes into the record of a case.
@@ -115,18 +118,28 @@ pub type CaseSeed = fn(&Setup, &MeshData, &CasePlan, &mut CaseRecord);
 pub type Shown = (Vec<CaseRecord>, Vec<Verdict>);
 /// What judging sees of a sweep.
 pub type Table = (Vec<CaseRecord>, Vec<Key>);
+/// What a defect makes of something sound, if it touches it.
+pub type Change<T> = Option<Arc<dyn Fn(&mut T) + Send + Sync>>;
+
+/// The value after a change.
+pub fn through<T>(change: &Change<T>, mut value: T) -> T {
+    if let Some(change) = change {
+        change(&mut value);
+    }
+    value
+}
 
 /// A defect. Parts it does not touch are left as they are.
-#[derive(Clone, Copy)]
+#[derive(Clone)]
 pub struct Defect {
     /// What is wrong.
     pub name: &'static str,
     /// What it belongs to.
     pub term: Term,
     /// Another component of the model, another scheme, another exact side.
-    pub program: fn(Setup) -> Setup,
+    pub program: Change<Setup>,
     /// Another abstract problem.
-    pub abstract_program: fn(AbstractSetup) -> AbstractSetup,
+    pub abstract_program: Change<AbstractSetup>,
     /// Another load of it.
     pub finite_load: Option<FiniteSeed>,
     /// Another load.
@@ -134,25 +147,21 @@ pub struct Defect {
     /// Another measure of the truth.
     pub moments: Option<MomentSeed>,
     /// What the sweep sees of a run.
-    pub measured: fn(Setup) -> Setup,
+    pub measured: Change<Setup>,
     /// What is measured of a case.
     pub case: CaseSeed,
     /// What is made of the answer of another solver.
-    pub answer: fn(&MeshData, Answer) -> Answer,
+    pub answer: fn(&MeshData, &mut Answer),
     /// What is written down.
-    pub records: fn(Vec<CaseRecord>) -> Vec<CaseRecord>,
+    pub records: Change<Vec<CaseRecord>>,
     /// What is read for judging.
-    pub before: fn(Table) -> Table,
+    pub before: Change<Table>,
     /// What is made of a verdict.
-    pub after: fn(Verdict) -> Verdict,
+    pub after: Change<Verdict>,
     /// What is made of all verdicts of a run.
-    pub all: fn(Vec<Verdict>) -> Vec<Verdict>,
+    pub all: Change<Vec<Verdict>>,
     /// What a report shows.
-    pub shown: fn(Shown) -> Shown,
-}
-
-fn same<T>(value: T) -> T {
-    value
+    pub shown: Change<Shown>,
 }
 
 impl Defect {
@@ -164,32 +173,32 @@ impl Defect {
         Self {
             name,
             term,
-            program: same,
-            abstract_program: same,
+            program: None,
+            abstract_program: None,
             finite_load: None,
             load: None,
             moments: None,
-            measured: same,
+            measured: None,
             case: |_, _, _, _| (),
-            answer: |_, answer| answer,
-            records: same,
-            before: same,
-            after: same,
-            all: same,
-            shown: same,
+            answer: |_, _| (),
+            records: None,
+            before: None,
+            after: None,
+            all: None,
+            shown: None,
         }
-    }
-
-    /// Another component of the model, or another scheme.
-    pub const fn of(term: Term, name: &'static str, program: fn(Setup) -> Setup) -> Self {
-        Self { program, ..Self::none(term, name) }
     }
 
     /// The setup with the defect in it; a defective load is driven by the scheme.
     pub fn apply(&self, setup: Setup) -> Setup {
-        let mut setup = (self.program)(setup);
-        if let Some(load) = self.load {
-            setup.scheme = Arc::new(Loaded(load));
+        let mut setup = through(&self.program, setup);
+        if let Some(load) = self.load.clone() {
+            marched(move |run| {
+                let site = site(run.setup, &run.data.space, &*run.data.truth);
+                let mut load = Driven { site, load: &*load };
+                let (space, grid) = (&run.data.space, run.setup.grid(run.steps));
+                march(space, &run.setup.model, &grid, &mut load, &Newton::default(), run.observe)
+            })(&mut setup);
         }
         setup
     }
@@ -205,6 +214,108 @@ impl Defect {
                 | Term::Answer
                 | Term::Report
         )
+    }
+}
+
+impl Term {
+    /// Another component of the model, or another scheme.
+    pub fn of(
+        self,
+        name: &'static str,
+        program: impl Fn(&mut Setup) + Send + Sync + 'static,
+    ) -> Defect {
+        Defect { program: Some(Arc::new(program)), ..Defect::none(self, name) }
+    }
+
+    /// Another march.
+    fn run(
+        self,
+        name: &'static str,
+        march: impl Fn(Run<'_>) -> Marched + Send + Sync + 'static,
+    ) -> Defect {
+        self.of(name, marched(march))
+    }
+
+    /// Another march on a space made for it.
+    fn rebuilt(
+        self,
+        name: &'static str,
+        change: impl Fn(&mut Discretization, &mut Model) + Send + Sync + 'static,
+    ) -> Defect {
+        self.run(name, move |run| run.rebuilt(&change))
+    }
+}
+
+impl Term {
+    /// Another abstract problem.
+    fn finite(
+        self,
+        name: &'static str,
+        program: impl Fn(&mut AbstractSetup) + Send + Sync + 'static,
+    ) -> Defect {
+        Defect { abstract_program: Some(Arc::new(program)), ..Defect::none(self, name) }
+    }
+
+    /// Another load.
+    fn load(
+        self,
+        name: &'static str,
+        load: impl Fn(&Site<'_>, f64) -> Result<Vec<f64>, LoadError> + Send + Sync + 'static,
+    ) -> Defect {
+        Defect { load: Some(Arc::new(load)), ..Defect::none(self, name) }
+    }
+
+    /// Another truth: its moments changed.
+    fn moments(
+        self,
+        name: &'static str,
+        change: impl Fn(&Site<'_>, f64, &mut Moments) + Send + Sync + 'static,
+    ) -> Defect {
+        let seed = move |site: &Site<'_>, t: f64| {
+            let mut moments = (*site.sound.moments(t)?).clone();
+            change(site, t, &mut moments);
+            Ok(moments)
+        };
+        Defect { moments: Some(Arc::new(seed)), ..Defect::none(self, name) }
+    }
+
+    /// The levels of a scheme, seen through `show`.
+    fn seen(
+        self,
+        name: &'static str,
+        show: impl Fn(&TimeGrid, &StepView<'_>, &mut Observer<'_>) -> Result<(), CaseError>
+        + Send
+        + Sync
+        + 'static,
+    ) -> Defect {
+        let show = Arc::new(show);
+        let measured = move |setup: &mut Setup| {
+            let (sound, show) = (setup.scheme.clone(), show.clone());
+            marched(move |run| {
+                let grid = run.setup.grid(run.steps);
+                let mut seen = |view: &StepView<'_>| show(&grid, view, run.observe);
+                sound.march(run.setup, run.data, run.steps, &mut seen)
+            })(setup);
+        };
+        Defect { measured: Some(Arc::new(measured)), ..Defect::none(self, name) }
+    }
+
+    /// Other records.
+    fn records(
+        self,
+        name: &'static str,
+        change: impl Fn(&mut Vec<CaseRecord>) + Send + Sync + 'static,
+    ) -> Defect {
+        Defect { records: Some(Arc::new(change)), ..Defect::none(self, name) }
+    }
+
+    /// Each record changed.
+    fn each(
+        self,
+        name: &'static str,
+        change: impl Fn(&mut CaseRecord) + Send + Sync + 'static,
+    ) -> Defect {
+        self.records(name, move |records| records.iter_mut().for_each(&change))
     }
 }
 
@@ -233,12 +344,49 @@ pub fn all() -> Vec<Defect> {
     list
 }
 
-/// A march by a function.
-type March = fn(&Setup, &MeshData, u32, &mut Observer<'_>) -> Result<CaseInfo, CaseError>;
+/// A case that is to be marched.
+struct Run<'r> {
+    setup: &'r Setup,
+    data: &'r MeshData,
+    steps: u32,
+    observe: &'r mut Observer<'r>,
+}
 
-struct By(March);
+type Marched = Result<CaseInfo, CaseError>;
 
-impl Scheme for By {
+impl Run<'_> {
+    fn by(self, solver: &dyn StepSolver) -> Marched {
+        self.data.march(self.setup, self.steps, solver, self.observe)
+    }
+
+    fn sound(self) -> Marched {
+        self.by(&Newton::default())
+    }
+
+    /// The step of a uniform grid.
+    fn k(&self) -> f64 {
+        self.setup.scene.time.horizon / f64::from(self.steps)
+    }
+
+    /// On a space with a model.
+    fn on(self, space: &Discretization, model: &Model) -> Marched {
+        let (grid, mut load) = (self.setup.grid(self.steps), TruthLoad(&*self.data.truth));
+        march(space, model, &grid, &mut load, &Newton::default(), self.observe)
+    }
+
+    /// On a space made for it, with a model that may know it.
+    fn rebuilt(self, change: &impl Fn(&mut Discretization, &mut Model)) -> Marched {
+        let space = self.setup.space(self.data.space.mesh.n).expect("the same mesh");
+        let mut space = Arc::into_inner(space).expect("nobody else has it");
+        let mut model = self.setup.scene_model();
+        change(&mut space, &mut model);
+        self.on(&space, &model)
+    }
+}
+
+struct By<M>(M);
+
+impl<M: Fn(Run<'_>) -> Marched + Send + Sync> Scheme for By<M> {
     fn march(
         &self,
         setup: &Setup,
@@ -246,14 +394,40 @@ impl Scheme for By {
         steps: u32,
         observe: &mut Observer<'_>,
     ) -> Result<CaseInfo, CaseError> {
-        (self.0)(setup, data, steps, observe)
+        (self.0)(Run { setup, data, steps, observe: &mut |view| observe(view) })
     }
 }
 
-/// The setup under another march.
-fn marched(mut setup: Setup, march: March) -> Setup {
-    setup.scheme = Arc::new(By(march));
-    setup
+/// Puts another march into a setup.
+fn marched(
+    march: impl Fn(Run<'_>) -> Marched + Send + Sync + 'static,
+) -> impl Fn(&mut Setup) + Send + Sync {
+    let scheme: Arc<dyn Scheme> = Arc::new(By(march));
+    move |setup| setup.scheme = scheme.clone()
+}
+
+struct Solver<F>(F);
+
+impl<F> StepSolver for Solver<F>
+where
+    F: Fn(&mut dyn OpenInequality, &mut StepState, &mut Scratch) -> Result<StepInfo, StepError>,
+{
+    fn solve_level(
+        &self,
+        problem: &mut dyn OpenInequality,
+        state: &mut StepState,
+        scratch: &mut Scratch,
+    ) -> Result<StepInfo, StepError> {
+        (self.0)(problem, state, scratch)
+    }
+}
+
+/// A solver of levels by a function.
+fn solver<F>(solve: F) -> Solver<F>
+where
+    F: Fn(&mut dyn OpenInequality, &mut StepState, &mut Scratch) -> Result<StepInfo, StepError>,
+{
+    Solver(solve)
 }
 
 /// The site of a truth of `setup`.
@@ -262,27 +436,9 @@ pub fn site<'a>(setup: &'a Setup, space: &'a Discretization, sound: &'a dyn Trut
     Site { exact: setup.exact.as_deref(), interpolated, space, sound }
 }
 
-/// The march under a defective load.
-struct Loaded(LoadSeed);
-
-impl Scheme for Loaded {
-    fn march(
-        &self,
-        setup: &Setup,
-        data: &MeshData,
-        steps: u32,
-        observe: &mut Observer<'_>,
-    ) -> Result<CaseInfo, CaseError> {
-        let site = site(setup, &data.space, &*data.truth);
-        let mut load = Driven { site, load: self.0 };
-        let grid = setup.grid(steps);
-        march(&data.space, &setup.model, &grid, &mut load, &Newton::default(), observe)
-    }
-}
-
 struct Driven<'a> {
     site: Site<'a>,
-    load: LoadSeed,
+    load: &'a (dyn Fn(&Site<'_>, f64) -> Result<Vec<f64>, LoadError> + Send + Sync),
 }
 
 impl Load for Driven<'_> {

@@ -1,8 +1,10 @@
 //! Defects of the kinds that orders are blind to: what measures and meshes are made of, truths that are runs, multipliers,
 //! answers of other solvers, and what a report shows. Some were once seen by a recorded number or by nothing.
 
+use std::sync::Arc;
+
 use algebra::linalg::larger;
-use fem::contact::{LoadError, StepView};
+use fem::contact::StepView;
 use fem::norms::Moments;
 use fem::space::Element;
 use judge::record::{CaseRecord, V_MAX};
@@ -12,39 +14,29 @@ use run::external::Answer;
 use run::sweep::CasePlan;
 use scene::setup::{AbstractSetup, MeshData, Setup};
 use scene::{Norm, Shape, TimeGrid};
-use vhi::history::{TimeRule, Trapezoid};
-use vhi::law::HistoryKernel;
 
-use super::contact::{gap, rebuilt};
+use super::Term::{self, Abstract, Measurement};
+use super::contact::gap;
 use super::levels::march_by_two_points;
-use super::{CaseSeed, Defect, MomentSeed, Shown, Site, Term, marched};
+use super::records::finest;
+use super::time::{Rule, sound};
+use super::{CaseSeed, Defect, Shown, Site};
 
-fn changed(
-    site: &Site<'_>,
-    t: f64,
-    change: impl FnOnce(&mut Moments),
-) -> Result<Moments, LoadError> {
-    let mut moments = (*site.sound.moments(t)?).clone();
-    change(&mut moments);
-    Ok(moments)
+fn rests(moments: &mut Moments) -> [&mut f64; 5] {
+    let Moments { strain, stress, displacement, normal, pressure, .. } = moments;
+    [
+        &mut strain.rest,
+        &mut stress.rest,
+        &mut displacement.rest,
+        &mut normal.rest,
+        &mut pressure.rest,
+    ]
 }
 
-/// A truth that is a run on a finer mesh, read off later or with a share of what its projection leaves.
-fn of_a_run(site: &Site<'_>, t: f64, late: f64, share: f64) -> Result<Moments, LoadError> {
-    if site.exact.is_some() {
-        return changed(site, t, |_| ());
-    }
-    changed(site, if t > late { t - late } else { t }, |moments| {
-        for rest in [
-            &mut moments.strain.rest,
-            &mut moments.stress.rest,
-            &mut moments.displacement.rest,
-            &mut moments.normal.rest,
-            &mut moments.pressure.rest,
-        ] {
-            *rest *= share;
-        }
-    })
+/// A truth read off at another time.
+fn late(name: &'static str, time: fn(&Site<'_>, f64) -> f64) -> Defect {
+    let seed = move |site: &Site<'_>, t| Ok((*site.sound.moments(time(site, t))?).clone());
+    Defect { moments: Some(Arc::new(seed)), ..Defect::none(Measurement, name) }
 }
 
 /// A step of the run that is a truth in `tests/sabotage/norms.rs`.
@@ -139,45 +131,6 @@ fn distance_of_sets(setup: &Setup, data: &MeshData, case: &CasePlan, record: &mu
     });
 }
 
-/// Weights of the memory from the kernel to four digits.
-struct FourDigits;
-
-impl TimeRule for FourDigits {
-    fn weight(&self, grid: &vhi::history::TimeGrid, n: usize, j: usize) -> f64 {
-        Trapezoid.weight(grid, n, j)
-    }
-
-    fn kernel_weight(
-        &self,
-        q: &dyn HistoryKernel,
-        grid: &vhi::history::TimeGrid,
-        n: usize,
-        j: usize,
-    ) -> f64 {
-        (1e4 * q.at(grid.time(n), grid.time(j))).round() / 1e4 * self.weight(grid, n, j)
-    }
-}
-
-/// ζ from t_1 on, the memory from t = 0.
-struct WithoutFirstStep;
-
-impl TimeRule for WithoutFirstStep {
-    fn weight(&self, grid: &vhi::history::TimeGrid, n: usize, j: usize) -> f64 {
-        let first = if j < 2 && n > 0 { 0.5 * grid.step(1) } else { 0.0 };
-        Trapezoid.weight(grid, n, j) - first
-    }
-
-    fn kernel_weight(
-        &self,
-        q: &dyn HistoryKernel,
-        grid: &vhi::history::TimeGrid,
-        n: usize,
-        j: usize,
-    ) -> f64 {
-        Trapezoid.kernel_weight(q, grid, n, j)
-    }
-}
-
 /// The multipliers or the selections of the load of an abstract problem, times a factor.
 fn load_with(setup: &AbstractSetup, t: f64, [selection, multiplier]: [f64; 2]) -> DVector<f64> {
     let state = setup.state(t);
@@ -195,21 +148,6 @@ fn rounded(value: f64) -> f64 {
     format!("{value:.1e}").parse().unwrap_or(value)
 }
 
-fn each(mut records: Vec<CaseRecord>, change: impl Fn(&mut CaseRecord)) -> Vec<CaseRecord> {
-    records.iter_mut().for_each(change);
-    records
-}
-
-macro_rules! on_mesh {
-    ($term:expr, $name:literal, $change:expr) => {
-        Defect::of($term, $name, |setup| {
-            marched(setup, |setup, data, steps, observe| {
-                rebuilt(setup, data, steps, observe, $change)
-            })
-        })
-    };
-}
-
 /// Every h of a scene whose domain is a rectangle or box, or of the others, times a factor.
 fn sized(setup: &Setup, record: &mut CaseRecord, [of_box, of_others]: [f64; 2]) {
     let is_box = setup.body.domain.shape == Shape::Box;
@@ -218,24 +156,12 @@ fn sized(setup: &Setup, record: &mut CaseRecord, [of_box, of_others]: [f64; 2]) 
 }
 
 pub fn defects() -> Vec<Defect> {
-    let measured = |name, case: CaseSeed| Defect { case, ..Defect::none(Term::Measurement, name) };
-    let truth = |name, moments: MomentSeed| Defect {
-        moments: Some(moments),
-        ..Defect::none(Term::Measurement, name)
-    };
-    let recorded = |name, records: fn(Vec<CaseRecord>) -> Vec<CaseRecord>| Defect {
-        records,
-        ..Defect::none(Term::Record, name)
-    };
-    let finite = |name, abstract_program: fn(AbstractSetup) -> AbstractSetup| Defect {
-        abstract_program,
-        ..Defect::none(Term::Abstract, name)
-    };
+    let measured = |name, case: CaseSeed| Defect { case, ..Defect::none(Measurement, name) };
     let finite_load = |name, load: super::FiniteSeed| Defect {
         finite_load: Some(load),
-        ..Defect::none(Term::Abstract, name)
+        ..Defect::none(Abstract, name)
     };
-    let answered = |name, answer: fn(&MeshData, Answer) -> Answer| Defect {
+    let answered = |name, answer: fn(&MeshData, &mut Answer)| Defect {
         answer,
         ..Defect::none(Term::Answer, name)
     };
@@ -260,78 +186,72 @@ pub fn defects() -> Vec<Defect> {
                 record.k = setup.scene.time.horizon / f64::from(case.steps);
             }
         }),
-        truth("reference run read one step late", |site, t| of_a_run(site, t, LATE, 1.0)),
-        truth("reference run with half of its remainders", |site, t| of_a_run(site, t, 0.0, 0.5)),
-        truth("truth late by a thousandth of the horizon", |site, t| {
-            // A run knows its own times alone.
-            let late = if t > 1e-3 && site.exact.is_some() { t - 1e-3 } else { t };
-            changed(site, late, |_| ())
+        late("reference run read one step late", |site, t| {
+            if site.exact.is_none() && t > LATE { t - LATE } else { t }
         }),
-        truth("true strain 1e-4 too large", |site, t| {
-            changed(site, t, |moments| moments.strain.at.iter_mut().for_each(|e| *e *= 1.0001))
+        Measurement.moments("reference run with half of its remainders", |site, _, moments| {
+            if site.exact.is_none() {
+                rests(moments).into_iter().for_each(|rest| *rest *= 0.5);
+            }
         }),
-        truth("true displacement 1e-4 too large", |site, t| {
-            changed(site, t, |moments| {
-                moments.displacement.node.iter_mut().for_each(|u| *u *= 1.0001);
-            })
+        // A run knows its own times alone.
+        late("truth late by a thousandth of the horizon", |site, t| {
+            if t > 1e-3 && site.exact.is_some() { t - 1e-3 } else { t }
         }),
-        truth("true stress 1e-4 too large", |site, t| {
-            changed(site, t, |moments| moments.stress.at.iter_mut().for_each(|s| *s *= 1.0001))
+        Measurement.moments("true strain 1e-4 too large", |_, _, moments| {
+            moments.strain.at.iter_mut().for_each(|e| *e *= 1.0001);
         }),
-        truth("u_ν of the truth on Γ3 with the other sign", |site, t| {
-            changed(site, t, |moments| moments.normal.node.iter_mut().for_each(|u| *u = -*u))
+        Measurement.moments("true displacement 1e-4 too large", |_, _, moments| {
+            moments.displacement.node.iter_mut().for_each(|u| *u *= 1.0001);
         }),
-        truth("true pressure 1e-4 too large", |site, t| {
-            changed(site, t, |moments| moments.pressure.node.iter_mut().for_each(|p| *p *= 1.0001))
+        Measurement.moments("true stress 1e-4 too large", |_, _, moments| {
+            moments.stress.at.iter_mut().for_each(|s| *s *= 1.0001);
         }),
-        Defect::of(Term::Zeta, "ζ without its first step", |mut setup| {
-            setup.model.time_rule = Box::new(WithoutFirstStep);
-            setup
+        Measurement.moments("u_ν of the truth on Γ3 with the other sign", |_, _, moments| {
+            moments.normal.node.iter_mut().for_each(|u| *u = -*u);
         }),
-        Defect::of(Term::Memory, "kernel to four digits", |mut setup| {
-            setup.model.time_rule = Box::new(FourDigits);
-            setup
+        Measurement.moments("true pressure 1e-4 too large", |_, _, moments| {
+            moments.pressure.node.iter_mut().for_each(|p| *p *= 1.0001);
         }),
-        Defect::of(Term::Gap, "gap 1e-4 too wide", |setup| gap(setup, |_, g| 1.0001 * g)),
-        Defect::of(Term::Compliance, "two Gauss points on the edges of Γ3 for three", |setup| {
-            marched(setup, |setup, data, steps, observe| {
-                march_by_two_points(setup, data, steps, observe)
-            })
+        // The memory from t = 0.
+        Term::Zeta.of("ζ without its first step", |setup| {
+            setup.model.time_rule = Box::new(Rule::zeta(|grid, n, j| {
+                sound(grid, n, j) - if j < 2 && n > 0 { 0.5 * grid.step(1) } else { 0.0 }
+            }));
         }),
-        on_mesh!(Term::Compliance, "weight of one vertex of Γ3 doubled", |space, _| {
+        Term::Memory.of("kernel to four digits", |setup| {
+            setup.model.time_rule = Box::new(Rule::memory(|q, grid, n, j| {
+                (1e4 * q.at(grid.time(n), grid.time(j))).round() / 1e4 * sound(grid, n, j)
+            }));
+        }),
+        gap("gap 1e-4 too wide", |sound, x, t| 1.0001 * sound(x, t)),
+        Term::Compliance.run("two Gauss points on the edges of Γ3 for three", march_by_two_points),
+        Term::Compliance.rebuilt("weight of one vertex of Γ3 doubled", |space, _| {
             let middle = space.trace.points.len() / 2;
             if let Some(point) = space.trace.points.get_mut(middle) {
                 point.weight *= 2.0;
             }
         }),
-        on_mesh!(Term::Elasticity, "first cell 1 % too large", |space, _| {
+        Term::Elasticity.rebuilt("first cell 1 % too large", |space, _| {
             space.geometry.measure[0] *= 1.01;
         }),
-        on_mesh!(Term::Elasticity, "strains of the first cell 1 % too large", |space, _| {
+        Term::Elasticity.rebuilt("strains of the first cell 1 % too large", |space, _| {
             let cell =
                 space.geometry.shares.len().max(1) * space.mesh.dimension * space.nodes.a_cell;
             space.geometry.gradient[..cell].iter_mut().for_each(|g| *g *= 1.01);
         }),
-        recorded("errors to two digits", |records| {
-            each(records, |record| {
-                record.errors.iter_mut().for_each(|entry| entry.error = entry.error.map(rounded));
-            })
+        Term::Record.each("errors to two digits", |record| {
+            record.errors.iter_mut().for_each(|entry| entry.error = entry.error.map(rounded));
         }),
-        recorded("V_time_max written for V_max", |records| {
-            each(records, |record| {
-                let time = record.norm("V_time_max").and_then(|entry| entry.error);
-                let first = record.errors.iter_mut().find(|entry| entry.norm == V_MAX);
-                if let (Some(first), Some(time)) = (first, time) {
-                    first.error = Some(time);
-                }
-            })
-        }),
-        recorded("finest case carries the steps of the one before", |mut records| {
-            records.sort_by_key(CaseRecord::key);
-            if let [.., before, last] = records.as_mut_slice() {
-                (last.h, last.k) = (before.h, before.k);
+        Term::Record.each("V_time_max written for V_max", |record| {
+            let time = record.norm("V_time_max").and_then(|entry| entry.error);
+            let first = record.errors.iter_mut().find(|entry| entry.norm == V_MAX);
+            if let (Some(first), Some(time)) = (first, time) {
+                first.error = Some(time);
             }
-            records
+        }),
+        finest("finest case carries the steps of the one before", |last, before| {
+            (last.h, last.k) = (before.h, before.k);
         }),
         finite_load("multiplier of the load 1e-4 too large", |setup, t| {
             load_with(setup, t, [1.0, 1.0001])
@@ -339,20 +259,17 @@ pub fn defects() -> Vec<Defect> {
         finite_load("selection of the load 1e-4 too large", |setup, t| {
             load_with(setup, t, [1.0001, 1.0])
         }),
-        finite("weights of the functionals left out", |mut setup| {
+        Abstract.finite("weights of the functionals left out", |setup| {
             setup.model.functionals.iter_mut().for_each(|functional| functional.weight = 1.0);
-            setup
         }),
-        finite("upper bounds 1e-4 too high", |mut setup| {
+        Abstract.finite("upper bounds 1e-4 too high", |setup| {
             setup.model.functionals.iter_mut().for_each(|functional| functional.upper *= 1.0001);
-            setup
         }),
-        finite("norm of X without its inner product", |mut setup| {
+        Abstract.finite("norm of X without its inner product", |setup| {
             let m = setup.model.inner_product.nrows();
             setup.model.inner_product = DMatrix::identity(m, m);
-            setup
         }),
-        answered("answer on Γ1 taken for zero", |data, mut answer| {
+        answered("answer on Γ1 taken for zero", |data, answer| {
             let nodes = &data.space.nodes;
             let (d, row) = (nodes.dimension, nodes.of_vertex.len() * nodes.dimension);
             for level in answer.displacement.chunks_exact_mut(row) {
@@ -360,115 +277,98 @@ pub fn defects() -> Vec<Defect> {
                     level[d * vertex as usize..d * (vertex as usize + 1)].fill(0.0);
                 }
             }
-            answer
         }),
-        answered("last level of an answer read twice", |data, mut answer| {
+        answered("last level of an answer read twice", |data, answer| {
             let row = data.space.nodes.of_vertex.len() * data.space.nodes.dimension;
             let last = answer.displacement.len() - row;
             answer.displacement.copy_within(last - row..last, last);
-            answer
         }),
-        answered("components of an answer exchanged", |data, mut answer| {
+        answered("components of an answer exchanged", |data, answer| {
             let d = data.space.nodes.dimension;
             answer.displacement.chunks_exact_mut(d).for_each(|u| u.swap(0, 1));
-            answer
         }),
-        answered("pressures of an answer taken from the level before", |data, mut answer| {
+        answered("pressures of an answer taken from the level before", |data, answer| {
             let row = data.space.trace.points.len();
             if let Some(pressure) = answer.pressure.as_mut().filter(|_| row > 0) {
                 pressure.rotate_right(row);
             }
-            answer
         }),
-        answered("midpoints of an answer between their corners", |data, mut answer| {
-            let space = &data.space;
-            if space.element == Element::P2 {
-                let (d, row) = (space.nodes.dimension, space.nodes.of_vertex.len());
-                for level in answer.displacement.chunks_exact_mut(row * d) {
-                    let by_node: Vec<f64> = space
-                        .nodes
-                        .vertex
-                        .iter()
-                        .flat_map(|&v| {
-                            let at = d * v as usize;
-                            level[at..at + d].to_vec()
-                        })
-                        .collect();
-                    let linear = crate::shipped::midpoints_between_corners(space, &by_node);
-                    for (node, &v) in space.nodes.vertex.iter().enumerate() {
-                        let at = d * v as usize;
-                        level[at..at + d].copy_from_slice(&linear[d * node..d * (node + 1)]);
-                    }
+        answered("midpoints of an answer between their corners", |data, answer| {
+            let (space, vertex) = (&data.space, &data.space.nodes.vertex);
+            if space.element != Element::P2 {
+                return;
+            }
+            let (d, row) = (space.nodes.dimension, space.nodes.of_vertex.len());
+            let at = |v: u32| d * v as usize..d * (v as usize + 1);
+            for level in answer.displacement.chunks_exact_mut(row * d) {
+                let by_node: Vec<f64> =
+                    vertex.iter().flat_map(|&v| level[at(v)].to_vec()).collect();
+                let linear = crate::shipped::midpoints_between_corners(space, &by_node);
+                for (&v, u) in vertex.iter().zip(linear.chunks_exact(d)) {
+                    level[at(v)].copy_from_slice(u);
                 }
             }
-            answer
         }),
     ]
 }
 
-/// The points of verdicts and the cases of records, changed alike.
-fn with((mut records, mut verdicts): Shown, change: impl Fn(&mut [f64; 4])) -> Shown {
-    for record in &mut records {
-        for entry in &mut record.errors {
-            let nan = f64::NAN;
-            let mut numbers = [
-                record.h.unwrap_or(nan),
-                record.k,
-                entry.error.unwrap_or(nan),
-                entry.floor.unwrap_or(nan),
-            ];
-            change(&mut numbers);
-            (record.h, record.k) = (Some(numbers[0]), numbers[1]);
-            (entry.error, entry.floor) = (Some(numbers[2]), Some(numbers[3]));
-        }
-    }
-    for used in verdicts.iter_mut().flat_map(|verdict| &mut verdict.points_used) {
-        let point = &mut used.point;
-        let mut numbers = [point.h, point.k, point.error, point.floor];
-        change(&mut numbers);
-        [point.h, point.k, point.error, point.floor] = numbers;
-    }
-    (records, verdicts)
+fn shown_as(
+    name: &'static str,
+    shown: impl Fn(&mut Vec<CaseRecord>, &mut Vec<Verdict>) + Send + Sync + 'static,
+) -> Defect {
+    let shown = move |(records, verdicts): &mut Shown| shown(records, verdicts);
+    Defect { shown: Some(Arc::new(shown)), ..Defect::none(Term::Report, name) }
 }
 
-fn verdicts((records, mut verdicts): Shown, change: impl Fn(&mut Verdict)) -> Shown {
-    verdicts.iter_mut().for_each(change);
-    (records, verdicts)
+/// h, k, error and floor of the points of verdicts and of the cases of records, changed alike.
+fn with(name: &'static str, change: fn(&mut [f64; 4])) -> Defect {
+    shown_as(name, move |records, verdicts| {
+        for record in records {
+            for entry in &mut record.errors {
+                let [h, error, floor] =
+                    [record.h, entry.error, entry.floor].map(|number| number.unwrap_or(f64::NAN));
+                let mut numbers = [h, record.k, error, floor];
+                change(&mut numbers);
+                (record.h, record.k) = (Some(numbers[0]), numbers[1]);
+                (entry.error, entry.floor) = (Some(numbers[2]), Some(numbers[3]));
+            }
+        }
+        for used in verdicts.iter_mut().flat_map(|verdict| &mut verdict.points_used) {
+            let point = &mut used.point;
+            let mut numbers = [point.h, point.k, point.error, point.floor];
+            change(&mut numbers);
+            [point.h, point.k, point.error, point.floor] = numbers;
+        }
+    })
+}
+
+fn verdicts(name: &'static str, change: fn(&mut Verdict)) -> Defect {
+    shown_as(name, move |_, verdicts| verdicts.iter_mut().for_each(change))
 }
 
 /// A report that is given these in place of what was found.
 pub fn shown() -> Vec<Defect> {
-    let of = |name, shown: fn(Shown) -> Shown| Defect { shown, ..Defect::none(Term::Report, name) };
     vec![
-        of("the predicted order shown as the observed one", |shown| {
-            verdicts(shown, |verdict| verdict.observed = Some(verdict.predicted))
+        verdicts("the predicted order shown as the observed one", |verdict| {
+            verdict.observed = Some(verdict.predicted);
         }),
-        of("h and k exchanged in a report", |shown| with(shown, |numbers| numbers.swap(0, 1))),
-        of("the forest against the order 1", |shown| {
-            verdicts(shown, |verdict| verdict.predicted = 1.0)
+        with("h and k exchanged in a report", |numbers| numbers.swap(0, 1)),
+        verdicts("the forest against the order 1", |verdict| verdict.predicted = 1.0),
+        with("floors shown as errors", |numbers| numbers[2] = numbers[3]),
+        with("errors shown as floors", |numbers| numbers[3] = numbers[2]),
+        with("k of a report for the horizon 1", |numbers| numbers[1] /= 3.0),
+        verdicts("intervals of a report half as wide", |verdict| {
+            if let (Some(order), Some(ends)) = (verdict.observed, &mut verdict.interval) {
+                ends.iter_mut().for_each(|end| *end = 0.5 * (*end + order));
+            }
         }),
-        of("floors shown as errors", |shown| with(shown, |numbers| numbers[2] = numbers[3])),
-        of("errors shown as floors", |shown| with(shown, |numbers| numbers[3] = numbers[2])),
-        of("k of a report for the horizon 1", |shown| with(shown, |numbers| numbers[1] /= 3.0)),
-        of("intervals of a report half as wide", |shown| {
-            verdicts(shown, |verdict| {
-                if let (Some(order), Some(ends)) = (verdict.observed, &mut verdict.interval) {
-                    ends.iter_mut().for_each(|end| *end = 0.5 * (*end + order));
-                }
-            })
-        }),
-        of("a failed verdict shown as a pass", |shown| {
-            verdicts(shown, |verdict| verdict.decision = Decision::Pass)
-        }),
-        of("the finest case left out of a report", |(mut records, mut verdicts)| {
+        verdicts("a failed verdict shown as a pass", |verdict| verdict.decision = Decision::Pass),
+        shown_as("the finest case left out of a report", |records, verdicts| {
             records.retain(|record| record.n != Some(64) || record.scene == "in-time");
             verdicts.iter_mut().for_each(|verdict| drop(verdict.points_used.pop()));
-            (records, verdicts)
         }),
-        of("norms exchanged in a report", |shown| {
-            verdicts(shown, |verdict| {
-                verdict.norm = if verdict.norm == V_MAX { "L2_max" } else { V_MAX }.into();
-            })
+        verdicts("norms exchanged in a report", |verdict| {
+            verdict.norm = if verdict.norm == V_MAX { "L2_max" } else { V_MAX }.into();
         }),
     ]
 }
