@@ -4,7 +4,6 @@
 
 use crate::differences::order;
 use crate::shipped::{abstract_of, edited, refusal, text};
-use crate::wrong::{Weights, last_whole};
 use algebra::linalg::signed_unit;
 use nalgebra::DVector;
 use scene::setup::{AbstractLoad, AbstractSetup};
@@ -66,23 +65,6 @@ fn contact_events_keep_order_two_in_the_mean() {
     let setup = shipped("abstract-contact");
     let order = observed(&setup, &setup.model, &LADDER);
     assert!((order - 2.0).abs() <= 0.1, "{order}");
-}
-
-/// The last slot takes a whole step: order 1.
-#[test]
-fn a_wrong_weight_costs_an_order() {
-    let mut setup = shipped("abstract-smooth");
-    setup.model.time_rule = Box::new(Weights(last_whole));
-    let order = observed(&setup, &setup.model, &LADDER[..4]);
-    assert!((order - 1.0).abs() < 0.05, "{order}");
-}
-
-#[test]
-fn a_wrong_kernel_does_not_converge() {
-    let mut setup = shipped("abstract-smooth");
-    setup.model.kernels[1].matrix *= 1.01;
-    let order = observed(&setup, &setup.model, &LADDER[..4]);
-    assert!(order.abs() < 0.1, "{order}");
 }
 
 /// ∫_0^t e^{-(t-s)} sin s ds = (sin t - cos t + e^{-t})/2, and a square root at either end.

@@ -4,11 +4,9 @@
 //! Mesh: the unit square, 8 × 8 squares, clamped top, contact bottom; 4 × 4 for dense comparisons.
 //! Data: linear-punch (ℬ(0) = -𝒜/4: factor k/8), memory-minus-identity and -plus-identity (λ = μ_L = 1: factor k/4), punch.
 
-use std::sync::Arc;
-
 use crate::samples::sample;
 use crate::shipped::{edited, on_mesh, setup, setup_of, text};
-use crate::wrong::Changed;
+use crate::wrong::as_level;
 use algebra::linalg::{FactorError, dot, signed_unit};
 use fem::contact::{CaseError, TraceMass, TracePart, trace_constants};
 use judge::claim::{Claim, Standing};
@@ -17,13 +15,13 @@ use scene::setup::{MeshData, Setup, constants, step_bounds};
 use studies::study::StudyError;
 use studies::theory::bound::{
     BoundStudy, ContractionStudy, Crossing, StepLadder, StepRung, Thresholds, at_level, claims,
-    contraction, finite_factor, sampled, study,
+    contraction, finite_factor, study,
 };
 use vhi::history::TimeGrid;
-use vhi::law::{PiecewiseLinear, Potential, TensorField};
+use vhi::law::TensorField;
 use vhi::{
-    BoundaryGraph, FixedPoint, FrozenDerivative, HistoryInequality, Newton, OpenInequality,
-    Scratch, StepBounds, StepError, StepInequality, StepSolver, StepState,
+    FixedPoint, FrozenDerivative, HistoryInequality, Newton, OpenInequality, Scratch, StepBounds,
+    StepError, StepInequality, StepSolver, StepState,
 };
 
 const N: u32 = 8;
@@ -355,18 +353,6 @@ fn a_falling_law_loses_uniqueness_at_the_energy_constant() {
 }
 
 #[test]
-fn understated_constants_of_a_law_are_caught() {
-    let law = PiecewiseLinear::new(vec![(0.0, 0.0), (0.04, 0.08), (0.10, 0.05)], 0.0, 0.0);
-    let law: Arc<dyn Potential> = Arc::new(law.expect("a law"));
-    assert!(Claim::all_hold(&sampled::law(&*law)));
-    let understated = Changed { constants: [0.98, 0.98, 1.0], ..Changed::new(law) };
-    assert_eq!(failing(&sampled::law(&understated)).len(), 2);
-    let jump = PiecewiseLinear::new(vec![(0.1, 0.0), (0.1, 1.0), (0.3, 0.2)], 0.0, 0.0);
-    let jump = jump.expect("a law");
-    assert!(Claim::all_hold(&sampled::law(&jump)), "{:?}", sampled::law(&jump));
-}
-
-#[test]
 fn understated_constants_of_the_body_are_caught() {
     let setup = setup("punch");
     let space = setup.space(4).expect("a mesh");
@@ -446,24 +432,7 @@ impl<L: FrozenDerivative> OpenInequality for Wrong<'_, L> {
 }
 
 impl<L: FrozenDerivative> StepInequality for Wrong<'_, L> {
-    fn dofs(&self) -> usize {
-        self.sound.dofs()
-    }
-    fn graph(&self) -> &BoundaryGraph {
-        self.sound.graph()
-    }
-    fn residual(&mut self, u: &[f64], out: &mut [f64]) {
-        self.sound.residual(u, out);
-    }
-    fn linearize(&mut self, slopes: &[f64], prescribed: &[Option<f64>]) -> Result<(), FactorError> {
-        self.sound.linearize(slopes, prescribed)
-    }
-    fn solve(&mut self, rhs: &mut [f64], forcing: f64) -> Result<(), FactorError> {
-        self.sound.solve(rhs, forcing)
-    }
-    fn force_scale(&self, u: &[f64]) -> f64 {
-        self.sound.force_scale(u)
-    }
+    as_level!(sound: dofs graph residual linearize solve force_scale);
 }
 
 /// What the gate says of memory-minus-identity at k = ½ with bounds and level made wrong.

@@ -4,14 +4,13 @@
 //! Data: broken-*.toml and edited copies. `--nocapture` prints the numbers that the chapter quotes.
 
 use crate::shipped::{abstract_of, edited, errors, on_mesh, run, setup, text};
-use crate::wrong::KernelWeights;
+use crate::wrong::OfTimes;
 use fem::space::quadrature::gauss_legendre;
 use formula::{Graph, Variable};
 use nalgebra::DVector;
 use scene::setup::{AbstractLoad, AbstractSetup};
 use vhi::finite::{FiniteError, march};
-use vhi::history::{CorrectedEnd, ProductIntegration, TimeGrid, TimeRule, Trapezoid};
-use vhi::law::HistoryKernel;
+use vhi::history::{ProductIntegration, TimeGrid, TimeRule};
 use vhi::{FixedPoint, Newton, StepError, StepSolver};
 
 /// max over n of ‖u(t_n) - u_n‖, and u_N.
@@ -34,57 +33,18 @@ fn error(setup: &AbstractSetup, steps: u32) -> f64 {
     solve(setup, steps, &Newton::default()).unwrap_or_else(|error| panic!("{error}")).0
 }
 
-fn order(setup: &AbstractSetup) -> f64 {
-    (error(setup, 128) / error(setup, 256)).log2()
-}
-
-#[test]
-fn a_wrong_repair_repairs_nothing() {
-    let with = |rule: Box<dyn TimeRule>| {
-        let mut setup = abstract_of(text("broken-kernel-end"));
-        setup.model.time_rule = rule;
-        order(&setup)
-    };
-    // Another sign of the correction.
-    let reversed = |kernel: &dyn HistoryKernel, grid: &TimeGrid, n, j| {
-        let plain = Trapezoid.kernel_weight(kernel, grid, n, j);
-        2.0 * plain - CorrectedEnd { exponent: 0.5 }.kernel_weight(kernel, grid, n, j)
-    };
-    // 2 or 1.5; the half power between them makes 0.05 of the difference at these steps.
-    for (right, rule) in [
-        (true, Box::new(CorrectedEnd { exponent: 0.5 }) as Box<dyn TimeRule>),
-        (true, Box::new(ProductIntegration)),
-        (false, Box::new(Trapezoid)),
-        (false, Box::new(KernelWeights(reversed))),
-        (false, Box::new(CorrectedEnd { exponent: 0.25 })),
-        (false, Box::new(CorrectedEnd { exponent: 0.9 })),
-    ] {
-        let order = with(rule);
-        assert!(if right { order > 1.95 } else { order < 1.65 }, "{right}: {order}");
-    }
-    // A grid graded too little: 2 needs an exponent above 4/3; 1.1 gives 1.1 · 3/2 for the first step.
-    let little = edited(&text("broken-start-grid"), "exponent = 2.0", "exponent = 1.1");
-    let order = order(&abstract_of(little));
-    assert!(order < 1.7, "{order}");
-}
-
 /// The factor of k^{3/2}: M c(t) - ∫_0^t √(t-s) Q c(s) ds = ζ_R(-½) Q u(t), in units of k^{3/2}; solved by product
 /// integration on 400 steps.
 #[test]
 fn the_constant_of_the_kernel_with_a_root_is_zeta() {
     const ZETA: f64 = -0.207_886_224_977_354_57;
     const STEPS: usize = 400;
-    struct Root;
-    impl HistoryKernel for Root {
-        fn at(&self, t: f64, s: f64) -> f64 {
-            -(t - s).max(0.0).sqrt()
-        }
-    }
+    let root = OfTimes(|t: f64, s: f64| -(t - s).max(0.0).sqrt());
     let setup = abstract_of(text("broken-kernel"));
     let (grid, q) = (TimeGrid::uniform(1.0, STEPS as u32), setup.model.kernels[0].matrix.clone());
     let mut constants: Vec<DVector<f64>> = Vec::new();
     for n in 0..=STEPS {
-        let row = ProductIntegration.kernel_row(&Root, &grid, n);
+        let row = ProductIntegration.kernel_row(&root, &grid, n);
         let u = DVector::from_column_slice(&setup.state(grid.time(n)).u);
         let past = constants.iter().zip(&row).fold(DVector::zeros(2), |sum, (c, w)| sum + *w * c);
         let matrix = &setup.model.matrix + row[n] * &q;

@@ -8,14 +8,13 @@ use std::sync::Arc;
 
 use crate::program::{ends, json, stdout, sweep};
 use crate::shipped::{edited, registry, setup, setup_of, text};
-use crate::wrong::scheme;
+use crate::wrong::{Kernel, scheme};
 use fem::contact::{CaseInfo, StepView};
 use run::sweep::{
     FloorPart, FloorRow, Overrides, ScenePlan, abstract_floors, contact_floors, direct_history,
 };
 use scene::setup::{NewtonMarch, Scheme, Setup, Subject};
 use scene::{Hypothesis, Norm};
-use vhi::law::MemoryKernel;
 
 /// Rows whose estimate is below what was measured, or is no number.
 fn uncovered(rows: &[FloorRow]) -> Vec<FloorRow> {
@@ -127,24 +126,14 @@ fn a_solution_off_by_1e_9_and_floors_left_at_zero_are_seen() {
     }))));
 }
 
-/// A kernel whose exponentials are not its values.
-struct Disagreeing;
-
-impl MemoryKernel for Disagreeing {
-    fn value(&self, lag: f64) -> f64 {
-        -(-lag).exp()
-    }
-
-    fn exponentials(&self) -> Option<&[(f64, f64)]> {
-        Some(&[(-1.0, 1.0 + 1e-9)])
-    }
-}
-
+/// The exponentials of the kernel are not its values.
 #[test]
 fn a_recursion_of_another_kernel_is_seen() {
     let seeded = || {
         let mut setup = setup("pure-mild");
-        setup.model.memory[0].kernel = Box::new(Disagreeing);
+        let exponentials = Some(vec![(-1.0, 1.0 + 1e-9)]);
+        setup.model.memory[0].kernel =
+            Box::new(Kernel { value: |lag: f64| -(-lag).exp(), exponentials });
         setup
     };
     let direct = direct_history(seeded());

@@ -1,7 +1,7 @@
 //! Source: -σ_τ ∈ S ∂|u_τ| as φ of Problem 1; tests/fixtures/tresca.json by tests/independent/tresca.py, which knows
 //!   nothing of this program.
-//! Goal: friction is what another program finds; a wrong sign, a bound without its factor, vertices that stick where they
-//!   should slip are driven off their order; the KKT rows, the slopes, the constants and the refusals are what they say.
+//! Goal: friction is what another program finds; the KKT rows, the slopes, the constants and the refusals are what they say.
+//!   A wrong sign, bound or stick set: docs/SABOTAGE.md.
 //! Mesh: n × n squares cut from lower left to upper right; the same turned by an angle.
 //! Data: the scenes friction-…, and a block that is pulled along a layer.
 
@@ -9,15 +9,12 @@ use crate::program::repository;
 use std::sync::Arc;
 
 use crate::coulomb::Slipping;
-use crate::shipped::{edited, fixture, on_mesh, refusal, run, setup, setup_of, text, v_max};
-use fem::contact::{Friction, StepView, TraceMass, TracePart, kkt_residual, trace_constants};
+use crate::shipped::{edited, fixture, on_mesh, refusal, run, setup, setup_of, text};
+use fem::contact::{Friction, StepView, TraceMass, TracePart, trace_constants};
 use scene::setup::{Setup, constants};
 use studies::diagnose::diagnose;
 use studies::theory::audit::audit;
 use vhi::law::{PiecewiseLinear, TensorField};
-
-const NS: [u32; 3] = [8, 16, 32];
-const STEPS: u32 = 8;
 
 fn independent() -> Setup {
     setup_of(repository("tests/independent/tresca.toml"))
@@ -60,21 +57,6 @@ fn another_program_finds_the_same() {
     assert!(sticks >= 2 && sticks + 2 <= s.len(), "{sticks} of {} stick", s.len());
 }
 
-/// Errors on [`NS`]; a run that fails has none.
-fn errors(setup: &Setup) -> Option<[f64; 3]> {
-    let of = |n: u32| {
-        let data = on_mesh(setup, n);
-        let fine = run(setup, &setup.model, &data, STEPS, |_| {}).is_ok();
-        fine.then(|| v_max(setup, &setup.model, &data, STEPS))
-    };
-    let [a, b, c] = NS.map(of);
-    Some([a?, b?, c?])
-}
-
-fn order([_, b, c]: [f64; 3]) -> f64 {
-    (b / c).log2()
-}
-
 /// What a defect makes of S at a place.
 type Change = fn([f64; 3], f64) -> f64;
 
@@ -87,29 +69,6 @@ fn with_factor(scene: &str, change: Change) -> Setup {
     setup
 }
 
-#[test]
-fn wrong_friction_leaves_the_order() {
-    let sound = errors(&with_factor("friction-front", |_, s| s)).expect("a sound run");
-    assert!((order(sound) - 1.0).abs() < 0.15, "{sound:?}");
-    let wrong: [(&str, Change); 4] = [
-        ("against the other direction", |_, s| -s),
-        ("half of it", |_, s| 0.5 * s),
-        ("twice of it", |_, s| 2.0 * s),
-        ("every second vertex of n = 8 sticks", |x, s| {
-            if (8.0 * x[0]).fract() == 0.0 && ((8.0 * x[0]) as u32).is_multiple_of(2) {
-                1e3
-            } else {
-                s
-            }
-        }),
-    ];
-    for (what, change) in wrong {
-        let Some(found) = errors(&with_factor("friction-front", change)) else { continue };
-        assert!(order(found) < 0.85, "{what}: {found:?} beside {sound:?}");
-    }
-}
-
-/// A friction stress that is off its law, or in no balance, shows in the residual that knows no active set.
 /// Where all slips one way the friction stress is the bound at each vertex, and u is affine in it. A bound from the wrong
 /// side of the jump has the same order in h.
 #[test]
@@ -137,30 +96,6 @@ fn at_a_jump_the_bound_is_the_one_at_the_vertex() {
     // Newton stops at 16 units of rounding of the forces.
     assert!(apart(&half, &mean.0) < 1e-12, "{:e}", apart(&half, &mean.0));
     assert!(apart(&right.0, &mean.0) > 1e-3, "{:e}", apart(&right.0, &mean.0));
-}
-
-#[test]
-fn the_kkt_rows_see_a_wrong_friction_stress() {
-    let setup = setup("friction-front");
-    let (data, mut worst) = (on_mesh(&setup, 8), [0.0f64; 2]);
-    let mut least = f64::INFINITY;
-    run(&setup, &setup.model, &data, 4, |view| {
-        let load = data.truth.load(view.t).expect("a load");
-        let residual = |view: &StepView<'_>| kkt_residual(&data.space, &setup.model, view, &load);
-        let turned: Vec<f64> = view.friction.iter().map(|s| -s).collect();
-        worst[0] = worst[0].max(residual(view));
-        least = least.min(residual(&StepView { friction: &turned, ..*view }));
-        // In balance, beyond the bound by a thousandth: the law alone.
-        let mut model = setup.scene_model();
-        let Friction { factor, graph, .. } = model.friction.take().expect("friction");
-        let factor = Box::new(move |x: [f64; 3], t: f64| 0.999 * factor(x, t));
-        model.friction = Some(Friction { factor, graph, follows_pressure: false });
-        worst[1] = worst[1].max(kkt_residual(&data.space, &model, view, &load));
-    })
-    .expect("a run");
-    // Rounding of some 40 nodal forces.
-    assert!(worst[0] < 1e-12, "{worst:?}");
-    assert!(least > 1e-3 && worst[1] > 1e-6, "{least} {worst:?}");
 }
 
 /// With vertices that slip both ways on a falling bound.

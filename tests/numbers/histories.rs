@@ -4,13 +4,9 @@
 //! Mesh: one square of an affine displacement: time alone is discretised. Steps up to 16,384.
 //! Data: u = t^a U under 𝒜 = 4 ℬ, whose discrete solution is that of one scalar equation; series of 1F1 summed here.
 
-use std::sync::Arc;
-
 use crate::judged::{foreseen, record};
 use crate::shipped::{edited, on_mesh, setup_of, text, v_max};
-use exact::Truth;
-use fem::contact::LoadError;
-use fem::norms::Moments;
+use crate::wrong::loads;
 use formula::{Graph, Node, Program, Scope, Variable};
 use scene::setup::{MeshData, Setup, Subject};
 use scene::{Direction, Norm};
@@ -229,30 +225,6 @@ fn what_is_left_unresolved_is_in_the_floor() {
     }
 }
 
-/// A truth whose history has panels of 1/256 near the start, as good as exact elsewhere.
-struct Coarse {
-    sound: Arc<dyn Truth>,
-    /// The load of ℬ ε(U).
-    base: Vec<f64>,
-    /// What its integral over the first sixteenth has too much.
-    excess: f64,
-}
-
-impl Truth for Coarse {
-    fn load(&self, t: f64) -> Result<Arc<Vec<f64>>, LoadError> {
-        // The kernel is -exp(-t).
-        let excess = if t < 1.0 / 16.0 { 0.0 } else { self.excess * (1.0 / 16.0 - t).exp() };
-        let sound = self.sound.load(t)?;
-        Ok(Arc::new(
-            sound.iter().zip(&self.base).map(|(load, base)| load - excess * base).collect(),
-        ))
-    }
-
-    fn moments(&self, t: f64) -> Result<Arc<Moments>, LoadError> {
-        self.sound.moments(t)
-    }
-}
-
 /// ∫_0^{1/16} exp(-(1/16-s)) s^a ds by sixteen panels of 12 Gauss points.
 fn by_coarse_panels(a: f64) -> f64 {
     let rule = fem::space::quadrature::gauss_legendre(12);
@@ -273,12 +245,16 @@ fn coarse_panels_of_the_truth_move_the_ratio_of_the_constant() {
     let setup = scene("t^0.6", false);
     let sound = on_mesh(&setup, 1);
     let whole = sound.truth.load(1.0).expect("a load");
-    let base = whole.iter().map(|load| load / (4.0 - fading_power(a, 1.0))).collect();
+    // The load of ℬ ε(U).
+    let base: Vec<f64> = whole.iter().map(|load| load / (4.0 - fading_power(a, 1.0))).collect();
     let excess = by_coarse_panels(a) - fading_power(a, 1.0 / 16.0);
     assert!(excess.abs() > 1e-12, "{excess:e}");
-    let coarse = Coarse { sound: sound.truth.clone(), base, excess };
-    let [error, floor] =
-        measured(&setup, &MeshData::with_truth(sound.space, Arc::new(coarse)), steps);
+    // A history that has panels of 1/256 near the start is as good as exact elsewhere; the kernel is -exp(-t).
+    let coarse = loads(sound.truth.clone(), move |sound, t| {
+        let excess = if t < 1.0 / 16.0 { 0.0 } else { excess * (1.0 / 16.0 - t).exp() };
+        Ok(sound.load(t)?.iter().zip(&base).map(|(load, base)| load - excess * base).collect())
+    });
+    let [error, floor] = measured(&setup, &MeshData::with_truth(sound.space, coarse), steps);
     let foreseen = predicted(scene("t^0.6", false), 1.6, &[steps])[0];
     let ratio = error / foreseen;
     println!("{error:e} {foreseen:e} {ratio}, floor {floor:e}");

@@ -3,12 +3,9 @@
 //!   facet or a cell less is refused with its numbers, on every mesh, and no sound load of a shipped scene is.
 //! Mesh, data: the coarsest meshes of shipped scenes; l-shape with one loaded side of two cells a unit length.
 
-use std::sync::Arc;
-
 use crate::shipped::{bodies, on_a_mesh, on_mesh, setup, setup_of, text};
-use exact::Truth;
+use crate::wrong::loads;
 use fem::contact::{CaseError, Discretization, LoadError, facet_measure};
-use fem::norms::Moments;
 use formula::{EvaluationPoint, Node};
 use scene::Data;
 use scene::setup::{MeshData, Setup};
@@ -34,27 +31,6 @@ fn given_loads_of_quadratic_elements_are_those_of_their_formulas() {
     }
 }
 
-/// A load with something added to it from a time on.
-struct Changed {
-    sound: Arc<dyn Truth>,
-    more: Vec<f64>,
-    from: f64,
-}
-
-impl Truth for Changed {
-    fn load(&self, t: f64) -> Result<Arc<Vec<f64>>, LoadError> {
-        let sound = self.sound.load(t)?;
-        if t < self.from {
-            return Ok(sound);
-        }
-        Ok(Arc::new(sound.iter().zip(&self.more).map(|(f, more)| f + more).collect()))
-    }
-
-    fn moments(&self, t: f64) -> Result<Arc<Moments>, LoadError> {
-        self.sound.moments(t)
-    }
-}
-
 fn march(setup: &Setup, data: &MeshData) -> Result<(), CaseError> {
     data.march(setup, 1, &Newton::default(), &mut |_| Ok(())).map(drop)
 }
@@ -66,7 +42,10 @@ fn with(setup: &Setup, data: &MeshData, more: Vec<f64>) -> Result<(), CaseError>
 
 /// With more load from the time `from` on.
 fn with_late(setup: &Setup, data: &MeshData, more: Vec<f64>, from: f64) -> Result<(), CaseError> {
-    let truth = Arc::new(Changed { sound: data.truth.clone(), more, from });
+    let truth = loads(data.truth.clone(), move |sound, t| {
+        let add = |(f, more): (&f64, &f64)| f + if t < from { 0.0 } else { *more };
+        Ok(sound.load(t)?.iter().zip(&more).map(add).collect())
+    });
     march(setup, &MeshData::with_truth(data.space.clone(), truth))
 }
 

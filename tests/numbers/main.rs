@@ -39,7 +39,6 @@ mod moving_obstacle;
 mod nested;
 mod newton;
 mod oblique;
-mod orders;
 mod plans;
 #[path = "../program/mod.rs"]
 mod program;
@@ -62,4 +61,5 @@ mod trace_constants;
 mod trade;
 #[path = "../turned/mod.rs"]
 mod turned;
+#[path = "../wrong/mod.rs"]
 mod wrong;

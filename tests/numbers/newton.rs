@@ -325,15 +325,3 @@ fn random_obstacle_problems_are_solved() {
     // Newton-min may cycle on matrices that are no M-matrices; damping has to solve nearly all of them.
     assert!(solved >= 495, "{solved} of 500");
 }
-
-/// A method whose answer is not checked against the graph is seen by the comparison above.
-#[test]
-fn a_wrong_piece_is_seen() {
-    let mut problem = small(&[2.0], &[5.0], 1.0, 1.0, Arc::new(NoPotential));
-    let truth = by_trial(&problem);
-    assert_eq!(truth, [vec![1.0]]);
-    // A graph without its bound: the solver then solves another problem.
-    problem.graph.coordinates[0].gap = f64::INFINITY;
-    let (state, _) = solve_from(&mut problem, 0.0).expect("a solution");
-    assert!((state.u[0] - truth[0][0]).abs() > 1.0);
-}

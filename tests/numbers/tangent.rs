@@ -6,12 +6,12 @@
 
 use crate::shipped::{edited, on_mesh, setup_of, text};
 use algebra::linalg::signed_unit;
-use algebra::tensor::{Symmetric, deviator, norm};
+use algebra::tensor::{deviator, norm};
 use fem::contact::{BoundaryRule, ContactProblem, Discretization, LastSlot, Model};
 use fem::space::strain_of;
 use scene::setup::Setup;
 use vhi::StepInequality;
-use vhi::law::{AnyProjection, Projection, Response, YieldLimit};
+use vhi::law::Projection;
 
 /// Step of the differences, relative to directions of size 1 while u is about 0.2.
 const STEP: f64 = 1e-6;
@@ -160,70 +160,5 @@ fn an_older_factor_solves_with_the_present_jacobian() {
     for pin in [false, true] {
         let off = mismatch(&space, &setup.model, pin, true);
         assert!(off <= AGREEMENT, "pinned vertices {pin}: {off:e}");
-    }
-}
-
-/// A part of the derivative.
-#[derive(Clone, Copy, PartialEq)]
-enum Part {
-    None,
-    /// (κ/‖e‖³) e⊗e.
-    Dyadic,
-    /// ∂σ/∂κ, the left factor of the rank-one piece.
-    RankOne,
-    /// -(1 - κ/‖e‖) I/d, which makes I a projector onto deviators.
-    Trace,
-}
-
-/// A projection whose derivative lacks a part.
-struct Lacking<P> {
-    sound: P,
-    part: Part,
-}
-
-impl<P: Projection> Projection for Lacking<P> {
-    fn stress<const S: usize>(&self, strain: &Symmetric<S>, kappa: f64) -> Option<Symmetric<S>> {
-        self.sound.stress(strain, kappa)
-    }
-
-    fn response<const S: usize>(&self, strain: &Symmetric<S>, kappa: f64) -> Option<Response<S>> {
-        let mut response = self.sound.response(strain, kappa)?;
-        let e = deviator(strain);
-        let size = norm(&e);
-        // μ = 1 in the scene.
-        match self.part {
-            Part::None => {}
-            Part::Dyadic => {
-                for (row, a) in response.tangent.iter_mut().zip(e) {
-                    row.iter_mut().zip(e).for_each(|(t, b)| *t -= kappa * a * b / size.powi(3));
-                }
-            }
-            Part::RankOne => response.by_limit = [0.0; S],
-            Part::Trace => {
-                for row in &mut response.tangent[..2] {
-                    row[..2].iter_mut().for_each(|t| *t += 0.5 * (1.0 - kappa / size));
-                }
-            }
-        }
-        Some(response)
-    }
-
-    fn limit(&self) -> Option<&dyn YieldLimit> {
-        self.sound.limit()
-    }
-}
-
-#[test]
-fn a_missing_part_is_caught() {
-    for part in [Part::None, Part::Dyadic, Part::RankOne, Part::Trace] {
-        let setup = punch("vertex");
-        let space = on_mesh(&setup, 4).space;
-        let sound = setup.scene_projection();
-        let projection = Some(AnyProjection::new(Lacking { sound, part }));
-        let model = Model { projection, ..setup.model };
-        let off = mismatch(&space, &model, false, false);
-        // The smallest part, from ζ, is w κ' = 0.006 of the stress: four orders above the agreement.
-        assert_eq!(part == Part::None, off <= AGREEMENT, "{off:e}");
-        assert!(part == Part::None || off > 1e3 * AGREEMENT, "{off:e}");
     }
 }

@@ -10,12 +10,12 @@ mod corners;
 mod hertz;
 mod tutorial;
 
-use crate::shipped::{edited, on_mesh, refusal, relative, run, setup, setup_of, text};
+use crate::shipped::{edited, on_mesh, refusal, setup, setup_of, text};
 use fem::contact::StepView;
 use fem::norms::{ContactSamples, ContactState, StateErrors, state_errors};
 use run::sweep::{Overrides, ScenePlan, run_contact_case};
 use scene::Norm;
-use scene::setup::{MeshData, Setup};
+use scene::setup::MeshData;
 
 const TIMES: [f64; 4] = [0.0, 0.25, 0.5, 1.0];
 
@@ -104,26 +104,6 @@ fn measures_and_norms_by_state_have_their_closed_forms() {
 }
 
 #[test]
-fn the_states_sum_to_the_error_on_the_contact_side() {
-    let setup = setup("pure-strong");
-    let data = on_mesh(&setup, 16);
-    let mut levels = 0;
-    run(&setup, &setup.model, &data, 4, |view| {
-        let states = state_errors(&data.space, view, &samples(&data, view.t));
-        let moments = data.truth.moments(view.t).expect("finite");
-        let whole = fem::norms::step_errors(&data.space, &setup.model, view, &moments);
-        let sum = |parts: [f64; 5]| parts.iter().map(|part| part * part).sum::<f64>().sqrt();
-        // Two quadratures of the same square: 24 points of degree 5 against 6 of degree 11.
-        assert!(relative(sum(states.trace), whole.trace) < 1e-4, "{states:?} {whole:?}");
-        assert!(relative(sum(states.pressure), whole.pressure) < 1e-4, "{states:?} {whole:?}");
-        assert!((states.measure.iter().sum::<f64>() - 1.0).abs() < 1e-13);
-        levels += 1;
-    })
-    .expect("a sound scheme");
-    assert_eq!(levels, 5);
-}
-
-#[test]
 fn a_defect_shows_in_its_state_alone() {
     let data = on_mesh(&setup("pure-mild"), 32);
     let exact = samples(&data, 1.0);
@@ -144,28 +124,6 @@ fn a_defect_shows_in_its_state_alone() {
     pressure[0] = f64::NAN;
     assert!(of_nothing(&data, 1.0, &pressure).pressure.iter().any(|error| error.is_nan()));
     assert_eq!(exact.gap.len(), 64);
-}
-
-/// state-locked with the solver's gap narrower by 0.01: nothing is locked where it should be.
-#[test]
-fn a_wrong_gap_shows_in_the_locked_set() {
-    let mut setup = setup("state-locked");
-    let largest = |setup: &Setup| {
-        let data = on_mesh(setup, 8);
-        let mut worst = StateErrors::default();
-        run(setup, &setup.model, &data, 2, |view| {
-            let found = state_errors(&data.space, view, &samples(&data, view.t));
-            worst.set_difference = worst.set_difference.max(found.set_difference);
-            worst.trace[4] = worst.trace[4].max(found.trace[4]);
-        })
-        .expect("a solution");
-        (worst.set_difference, worst.trace[4])
-    };
-    let (difference, trace) = largest(&setup);
-    assert!(difference == 0.0 && trace < 1e-12, "{difference} {trace}");
-    setup.model.boundary.first_mut().expect("contact").gap = Box::new(|_, _| 0.07);
-    let (difference, trace) = largest(&setup);
-    assert!((difference - 1.0).abs() < 1e-12 && trace > 5e-3, "{difference} {trace}");
 }
 
 #[test]

@@ -1,6 +1,6 @@
 //! Each kind of expectation fails where it must.
 
-use crate::wrong::{Solver, scheme};
+use crate::wrong::{scheme, solver};
 use judge::claim::{Claim, Relation, Standing};
 use scene::setup::Setup;
 use studies::extremes::{Measured, Unanswered, UnderTest, Unitless, Units, claims, solve};
@@ -25,7 +25,7 @@ fn absolute(mut setup: Setup) -> Setup {
         Newton { rounding_units, ..Newton::default() }.solve(problem, state, scratch)
     };
     setup.scheme = scheme(move |setup, data, steps, observe| {
-        data.march(setup, steps, &Solver(solve), observe)
+        data.march(setup, steps, &solver(solve), observe)
     });
     setup
 }

@@ -1,10 +1,9 @@
 //! Source: section 5 of the paper with 𝒜 and ℬ of any form that (5.3), (5.4) allow; closed forms derived here.
-//! Goal: layers, anisotropic tensors, kernels by name and memory by bulk and shear are solved and judged right, and wrong
-//!   ones do not pass: regions, entries, kernels and times exchanged one by one at the model.
+//! Goal: layers, anisotropic tensors, kernels by name and memory by bulk and shear are solved and judged right; regions,
+//!   entries, kernels and times are told apart by tests/numbers/keys.
 //! Data: the scenes `layered`, `layered-in-space`, `orthotropic`, `prony`, `power-law`, `bulk-shear` at gate size.
 
 mod closed_forms;
-mod defects;
 mod physical;
 mod solver;
 

@@ -54,7 +54,7 @@ fn mismatch(space: &Discretization, weights: &[f64]) -> f64 {
         memory: terms(),
         projection: Some(AnyProjection::new(VonMises {
             mu: 0.7,
-            limit: Limit { start: 0.1, slope: 0.2 },
+            limit: Limit { value: |zeta: f64| 0.1 + 0.2 * zeta, slope: |_: f64| 0.2 },
         })),
         boundary: Vec::new(),
         friction: None,

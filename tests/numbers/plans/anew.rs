@@ -3,10 +3,10 @@
 
 use std::cell::Cell;
 
+use crate::wrong::as_level;
 use algebra::linalg::FactorError;
 use vhi::{
-    BoundaryGraph, Newton, OpenInequality, Scratch, StepError, StepInequality, StepInfo,
-    StepSolver, StepState,
+    Newton, OpenInequality, Scratch, StepError, StepInequality, StepInfo, StepSolver, StepState,
 };
 
 /// A residual below nothing is reached by no iteration with a lagged factor, so that a factor of the present
@@ -50,13 +50,7 @@ struct Level<'p> {
 }
 
 impl StepInequality for Level<'_> {
-    fn dofs(&self) -> usize {
-        self.problem.dofs()
-    }
-
-    fn graph(&self) -> &BoundaryGraph {
-        self.problem.graph()
-    }
+    as_level!(problem: dofs graph linearize force_scale);
 
     fn descent(&self, i: usize) -> f64 {
         self.problem.descent(i)
@@ -70,16 +64,8 @@ impl StepInequality for Level<'_> {
         self.problem.residual(&wrong, out);
     }
 
-    fn linearize(&mut self, slopes: &[f64], prescribed: &[Option<f64>]) -> Result<(), FactorError> {
-        self.problem.linearize(slopes, prescribed)
-    }
-
     fn solve(&mut self, rhs: &mut [f64], forcing: f64) -> Result<(), FactorError> {
         self.solver.solves.set(self.solver.solves.get() + 1);
         self.problem.solve(rhs, if self.solver.old { forcing } else { UNREACHABLE })
-    }
-
-    fn force_scale(&self, u: &[f64]) -> f64 {
-        self.problem.force_scale(u)
     }
 }

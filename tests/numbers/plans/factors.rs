@@ -3,12 +3,10 @@
 use fem::contact::{BoundaryRule, Plan};
 use scene::setup::{MeshData, Setup};
 use vhi::Polished;
-use vhi::history::{TimeGrid, TimeRule, Trapezoid};
 
 use super::anew::{Anew, OFF, defective};
 use super::{AGREE, Run, agree, distance, in_volume, run, same_bits, shortest};
 use crate::shipped::{bodies, on_a_mesh, on_mesh, setup};
-use crate::wrong::Weights;
 
 const STEPS: u32 = 8;
 
@@ -134,21 +132,6 @@ fn what_large_runs_take_is_what_fresh_factors_give() {
     assert!(off <= AGREE, "{off:e}");
     let wrong = run(&setup, &data, STEPS, &defective());
     assert!(distance(&fresh, &wrong) > 2.0 * AGREE, "{:e}", distance(&fresh, &wrong));
-}
-
-/// The comparison sees a weight of the last slot that is off by 1e-6.
-#[test]
-fn a_seeded_defect_in_one_plan_is_seen() {
-    let heavy: fn(&TimeGrid, usize, usize) -> f64 =
-        |grid, n, j| Trapezoid.weight(grid, n, j) * if j == n { 1.0 + 1e-6 } else { 1.0 };
-    for name in ["elastic-punch", "linear-punch"] {
-        let mut setup = setup(name);
-        let data = on_mesh(&setup, 6);
-        let right = in_volume(&setup, &data, STEPS);
-        setup.model.time_rule = Box::new(Weights(heavy));
-        let wrong = shortest(&setup, &data, STEPS);
-        assert!(distance(&right, &wrong) > 10.0 * AGREE, "{name}");
-    }
 }
 
 /// A solver that is not Newton's method alone is not replaced.

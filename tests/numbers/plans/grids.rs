@@ -3,8 +3,6 @@
 //! nor a factor that does.
 
 use scene::setup::Setup;
-use vhi::history::{TimeGrid, TimeRule, Trapezoid};
-use vhi::law::HistoryKernel;
 
 use fem::contact::Plan;
 
@@ -72,49 +70,12 @@ fn all_sums_over_the_past_agree_on_unequal_steps() {
         for grid in GRIDS {
             let mut setup = setup(name);
             setup.scene.time.grid = grid;
-            let [recursive, fast, direct] = by_all_ways(setup, 0.0);
+            let [recursive, fast, direct] = by_all_ways(setup);
             let direct = direct.expect("direct sums apply to all scenes");
             for (way, other) in [("recursion", recursive), ("interpolation", fast)] {
                 let off = distance(&direct, &other.expect("the trapezoidal rule"));
                 assert!(off <= AGREE, "{name} {grid:?} {way}: {off:e}");
             }
-        }
-    }
-}
-
-/// The trapezoidal rule with the last weight of level 1 at all levels: the same on equal steps.
-struct Frozen;
-
-impl TimeRule for Frozen {
-    fn weight(&self, grid: &TimeGrid, n: usize, j: usize) -> f64 {
-        Trapezoid.weight(grid, n, j)
-    }
-
-    fn kernel_weight(&self, q: &dyn HistoryKernel, grid: &TimeGrid, n: usize, j: usize) -> f64 {
-        let plain = Trapezoid.kernel_weight(q, grid, n, j);
-        if n == 0 || j != n { plain } else { plain * grid.step(1) / grid.step(n) }
-    }
-
-    fn is_trapezoidal(&self) -> bool {
-        true
-    }
-}
-
-/// A last weight that stays is no defect on equal steps, which is why scenes on those alone cannot see it.
-#[test]
-fn a_frozen_last_weight_is_seen_on_unequal_steps_alone() {
-    for name in ["linear-punch", "elastic-punch"] {
-        let off = |grid| {
-            let mut setup = setup(name);
-            setup.scene.time.grid = grid;
-            let data = on_mesh(&setup, 6);
-            let right = shortest(&setup, &data, STEPS);
-            setup.model.time_rule = Box::new(Frozen);
-            distance(&right, &shortest(&setup, &data, STEPS))
-        };
-        assert!(off(scene::TimeGrid::Uniform) <= AGREE, "{name}");
-        for grid in GRIDS {
-            assert!(off(grid) > 1e5 * AGREE, "{name} {grid:?}: {:e}", off(grid));
         }
     }
 }

@@ -1,19 +1,10 @@
 //! Wrong parts of the abstract problem in ℝ^m.
 
 use vhi::finite::ComponentLaw;
-use vhi::law::HistoryKernel;
 
 use super::Defect;
 use super::Term::Abstract;
-
-/// A kernel of two times by a function.
-pub(super) struct Kernel<F>(pub(super) F);
-
-impl<F: Fn(f64, f64) -> f64> HistoryKernel for Kernel<F> {
-    fn at(&self, t: f64, s: f64) -> f64 {
-        (self.0)(t, s)
-    }
-}
+use crate::wrong::OfTimes;
 
 /// N_i at y times a factor.
 struct Scaled(Box<dyn ComponentLaw>, f64);
@@ -36,8 +27,8 @@ pub fn defects() -> Vec<Defect> {
         Abstract.finite("R transposed", |setup| setup.model.r.transpose_mut()),
         Abstract.finite("q(s, t) in place of q(t, s)", |setup| {
             for term in &mut setup.model.kernels {
-                let sound = std::mem::replace(&mut term.kernel, Box::new(Kernel(|_, _| 0.0)));
-                term.kernel = Box::new(Kernel(move |t, s| sound.at(s, t)));
+                let sound = std::mem::replace(&mut term.kernel, Box::new(OfTimes(|_, _| 0.0)));
+                term.kernel = Box::new(OfTimes(move |t, s| sound.at(s, t)));
             }
         }),
         Abstract.finite("operator made symmetric", |setup| {

@@ -15,7 +15,8 @@ use vhi::{
 
 use super::levels::unchecked;
 use super::paths::on_sides;
-use super::{Defect, Marched, Run, Term, solver};
+use super::{Defect, Marched, Run, Term};
+use crate::wrong::{as_level, solver};
 
 /// Newton's method with the laws of friction as they were at the end of the level before.
 fn late() -> impl StepSolver {
@@ -70,16 +71,10 @@ impl<'p> Level<'p> {
 }
 
 impl StepInequality for Level<'_> {
-    fn dofs(&self) -> usize {
-        self.problem.dofs()
-    }
+    as_level!(problem: dofs residual solve force_scale);
 
     fn graph(&self) -> &BoundaryGraph {
         self.graph.as_ref().unwrap_or_else(|| self.problem.graph())
-    }
-
-    fn residual(&mut self, u: &[f64], out: &mut [f64]) {
-        self.problem.residual(u, out);
     }
 
     fn take_pressures(&mut self, pressures: &[f64]) {
@@ -93,14 +88,6 @@ impl StepInequality for Level<'_> {
         let mut wrong = slopes.to_vec();
         wrong[prescribed.len()..].iter_mut().for_each(|slope| *slope *= self.mixed);
         self.problem.linearize(&wrong, prescribed)
-    }
-
-    fn solve(&mut self, rhs: &mut [f64], forcing: f64) -> Result<(), FactorError> {
-        self.problem.solve(rhs, forcing)
-    }
-
-    fn force_scale(&self, u: &[f64]) -> f64 {
-        self.problem.force_scale(u)
     }
 }
 

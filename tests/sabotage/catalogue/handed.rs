@@ -5,7 +5,6 @@ use std::sync::Arc;
 
 use exact::Truth;
 use fem::contact::{Discretization, LoadError};
-use fem::norms::Moments;
 use fem::space::Element;
 use run::external::Answer;
 use scene::setup::{MeshData, side_numbers};
@@ -15,26 +14,10 @@ use vhi::law::NoPotential;
 use super::contact::{gap, penalty};
 use super::paths::{half_freed, on_sides};
 use super::{Defect, Term};
+use crate::wrong;
 
 /// The loads of a solver, made of those of the case on its mesh, at t, with steps k.
 type Change = fn(&dyn Truth, &Discretization, f64, f64) -> Result<Vec<f64>, LoadError>;
-
-struct Changed {
-    sound: Arc<dyn Truth>,
-    space: Arc<Discretization>,
-    k: f64,
-    change: Change,
-}
-
-impl Truth for Changed {
-    fn load(&self, t: f64) -> Result<Arc<Vec<f64>>, LoadError> {
-        (self.change)(&*self.sound, &self.space, t, self.k).map(Arc::new)
-    }
-
-    fn moments(&self, t: f64) -> Result<Arc<Moments>, LoadError> {
-        self.sound.moments(t)
-    }
-}
 
 /// Loads over the integral of their hat functions, taken for nodal values of a density that is then integrated.
 fn lumped(
@@ -90,8 +73,9 @@ fn facet(sound: &dyn Truth, space: &Discretization, t: f64, _: f64) -> Result<Ve
 fn loads(name: &'static str, change: Change) -> Defect {
     Term::Load.run(name, move |run| {
         let (sound, space) = (run.data.truth.clone(), run.data.space.clone());
-        let truth = Arc::new(Changed { sound, space: space.clone(), k: run.k(), change });
-        let data = MeshData::with_truth(space, truth);
+        let (of_space, k) = (space.clone(), run.k());
+        let other = move |sound: &dyn Truth, t: f64| change(sound, &of_space, t, k);
+        let data = MeshData::with_truth(space, wrong::loads(sound, other));
         data.march(run.setup, run.steps, &Newton::default(), run.observe)
     })
 }

@@ -1,7 +1,6 @@
 //! A march of levels with a hand in what is committed to the history. It is a loop around the levels of the library,
 //! as an external solver would be; the separate evaluation of the KKT system is optional in it.
 
-use algebra::linalg::FactorError;
 use fem::contact::{
     BoundaryRule, CaseError, CaseInfo, Discretization, Evolution, KKT_ALLOWED, LastSlot, Model,
     StepView, kkt_residual,
@@ -16,6 +15,7 @@ use vhi::{
 };
 
 use super::{Marched, Run};
+use crate::wrong::as_level;
 
 /// What is committed for level n: from the solution, the state before the solve, and what was committed last.
 pub type Commit = fn(usize, &StepState, &StepState, &StepState) -> StepState;
@@ -90,13 +90,7 @@ impl OpenInequality for Tampered<'_, '_> {
 }
 
 impl StepInequality for Tampered<'_, '_> {
-    fn dofs(&self) -> usize {
-        self.inner.dofs()
-    }
-
-    fn graph(&self) -> &BoundaryGraph {
-        self.inner.graph()
-    }
+    as_level!(inner: dofs graph linearize solve force_scale);
 
     fn residual(&mut self, u: &[f64], out: &mut [f64]) {
         if self.start.u.is_empty() {
@@ -106,18 +100,6 @@ impl StepInequality for Tampered<'_, '_> {
         if let Some(beside) = self.hand.beside {
             beside(u, out);
         }
-    }
-
-    fn linearize(&mut self, slopes: &[f64], prescribed: &[Option<f64>]) -> Result<(), FactorError> {
-        self.inner.linearize(slopes, prescribed)
-    }
-
-    fn solve(&mut self, rhs: &mut [f64], forcing: f64) -> Result<(), FactorError> {
-        self.inner.solve(rhs, forcing)
-    }
-
-    fn force_scale(&self, u: &[f64]) -> f64 {
-        self.inner.force_scale(u)
     }
 }
 

@@ -6,8 +6,8 @@ use scene::setup::YieldFormula;
 use vhi::law::{AnyProjection, Isotropic, Projection, Response, VonMises, YieldLimit};
 
 use super::Term::Elasticity;
-use super::projection::Limit;
 use super::{Defect, Marched, Run};
+use crate::wrong::Limit;
 
 fn numbers(name: &'static str, change: fn(Isotropic) -> Isotropic) -> Defect {
     Elasticity.of(name, move |setup| {

@@ -1,43 +1,17 @@
 //! Wrong kernels and tensors of the memory term.
 
-use fem::contact::MemoryTerm;
 use vhi::law::{Isotropic, MemoryKernel};
 
 use super::Defect;
 use super::Term::Memory;
-
-/// A kernel by a function of its lag; the sum is direct unless there are exponentials.
-pub(super) struct Kernel<F> {
-    value: F,
-    exponentials: Option<Vec<(f64, f64)>>,
-}
-
-impl<F> Kernel<F> {
-    pub(super) fn of(value: F) -> Self {
-        Self { value, exponentials: None }
-    }
-}
-
-impl<F: Fn(f64) -> f64 + Send + Sync> MemoryKernel for Kernel<F> {
-    fn value(&self, lag: f64) -> f64 {
-        (self.value)(lag)
-    }
-
-    fn exponentials(&self) -> Option<&[(f64, f64)]> {
-        self.exponentials.as_deref()
-    }
-}
+use crate::wrong::{self, Kernel};
 
 /// Other kernels, each made of the sound one.
 pub(super) fn kernels(
     name: &'static str,
     change: impl Fn(Box<dyn MemoryKernel>) -> Box<dyn MemoryKernel> + Send + Sync + 'static,
 ) -> Defect {
-    Memory.of(name, move |setup| {
-        let memory = std::mem::take(&mut setup.model.memory).into_iter();
-        let changed = |term: MemoryTerm| MemoryTerm { kernel: change(term.kernel), ..term };
-        setup.model.memory = memory.map(changed).collect();
-    })
+    Memory.of(name, move |setup| wrong::kernels(&mut setup.model, &change))
 }
 
 /// Kernels through a function of value and lag.

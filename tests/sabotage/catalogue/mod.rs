@@ -41,9 +41,11 @@ use nalgebra::DVector;
 use run::external::Answer;
 use run::sweep::CasePlan;
 use scene::Data;
-use scene::setup::{AbstractSetup, MeshData, Scheme, Setup, TruthLoad};
+use scene::setup::{AbstractSetup, MeshData, Setup, TruthLoad};
 use vhi::history::TimeGrid;
-use vhi::{Newton, OpenInequality, Scratch, StepError, StepInfo, StepSolver, StepState};
+use vhi::{Newton, StepSolver};
+
+use crate::wrong::scheme;
 
 /// What a defect belongs to: a term of (5.1)-(5.5), or a part of the program.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -384,50 +386,13 @@ impl Run<'_> {
     }
 }
 
-struct By<M>(M);
-
-impl<M: Fn(Run<'_>) -> Marched + Send + Sync> Scheme for By<M> {
-    fn march(
-        &self,
-        setup: &Setup,
-        data: &MeshData,
-        steps: u32,
-        observe: &mut Observer<'_>,
-    ) -> Result<CaseInfo, CaseError> {
-        (self.0)(Run { setup, data, steps, observe: &mut |view| observe(view) })
-    }
-}
-
 /// Puts another march into a setup.
 fn marched(
     march: impl Fn(Run<'_>) -> Marched + Send + Sync + 'static,
 ) -> impl Fn(&mut Setup) + Send + Sync {
-    let scheme: Arc<dyn Scheme> = Arc::new(By(march));
+    let scheme =
+        scheme(move |setup, data, steps, observe| march(Run { setup, data, steps, observe }));
     move |setup| setup.scheme = scheme.clone()
-}
-
-struct Solver<F>(F);
-
-impl<F> StepSolver for Solver<F>
-where
-    F: Fn(&mut dyn OpenInequality, &mut StepState, &mut Scratch) -> Result<StepInfo, StepError>,
-{
-    fn solve_level(
-        &self,
-        problem: &mut dyn OpenInequality,
-        state: &mut StepState,
-        scratch: &mut Scratch,
-    ) -> Result<StepInfo, StepError> {
-        (self.0)(problem, state, scratch)
-    }
-}
-
-/// A solver of levels by a function.
-fn solver<F>(solve: F) -> Solver<F>
-where
-    F: Fn(&mut dyn OpenInequality, &mut StepState, &mut Scratch) -> Result<StepInfo, StepError>,
-{
-    Solver(solve)
 }
 
 /// The site of a truth of `setup`.

@@ -5,9 +5,8 @@ use vhi::law::HistoryKernel;
 
 use super::Defect;
 use super::Term::Abstract;
-use super::abstract_problem::Kernel;
-use super::memory::{self, kernels};
-use super::time::Rule;
+use super::memory::kernels;
+use crate::wrong::{Kernel, OfTimes, Rule};
 
 pub fn defects() -> Vec<Defect> {
     vec![
@@ -24,7 +23,7 @@ pub fn defects() -> Vec<Defect> {
         Abstract.finite("inner history without its last level", |setup| {
             for term in &mut setup.model.kernels {
                 let without_end = |r: Box<dyn HistoryKernel + Send + Sync>| {
-                    Box::new(Kernel(move |t, s| if s == t { 0.0 } else { r.at(t, s) })) as _
+                    Box::new(OfTimes(move |t, s| if s == t { 0.0 } else { r.at(t, s) })) as _
                 };
                 term.inner = term.inner.take().map(without_end);
             }
@@ -47,7 +46,7 @@ pub fn defects() -> Vec<Defect> {
                 return sound;
             }
             let outer = move |lag| sound.nested().map_or(f64::NAN, |[outer, _]| outer.value(lag));
-            Box::new(memory::Kernel::of(outer))
+            Box::new(Kernel::of(outer))
         }),
     ]
 }

@@ -4,10 +4,9 @@
 
 use std::sync::Arc;
 
-use exact::{ExactOnMesh, Truth};
-use fem::contact::{Discretization, LoadError, StepView, march};
+use exact::ExactOnMesh;
+use fem::contact::{Discretization, StepView, march};
 use fem::mesh::Mesh;
-use fem::norms::Moments;
 use fem::space::Element;
 use fem::space::quadrature::{TruthRules, edge, triangle_degree_4};
 use formula::EvaluationPoint;
@@ -17,9 +16,9 @@ use vhi::Newton;
 use vhi::history::{CorrectedEnd, ProductIntegration, TimeGrid, TimeRule, Trapezoid};
 
 use super::levels::march_stale;
-use super::memory::{Kernel, kernels};
-use super::time::Rule;
+use super::memory::kernels;
 use super::{Defect, Marched, Run, Term};
+use crate::wrong::{Kernel, Rule, loads};
 
 /// The trapezoidal rule with another last weight of the memory, its recursion included, where the scene has it.
 fn last_weight(name: &'static str, weight: fn(&TimeGrid, usize) -> f64) -> Defect {
@@ -120,23 +119,6 @@ pub(super) fn on_sides(run: Run<'_>, mesh: Mesh, [clamped, symmetry]: [&[u32]; 2
     march(&space, &setup.model, &grid, &mut load, &Newton::default(), &mut see)
 }
 
-/// Given loads less a part of them.
-struct Less<P> {
-    sound: Arc<dyn Truth>,
-    part: P,
-}
-
-impl<P: Fn(f64) -> Vec<f64> + Send + Sync> Truth for Less<P> {
-    fn load(&self, t: f64) -> Result<Arc<Vec<f64>>, LoadError> {
-        let (sound, part) = (self.sound.load(t)?, (self.part)(t));
-        Ok(Arc::new(sound.iter().zip(&part).map(|(f, part)| f - part).collect()))
-    }
-
-    fn moments(&self, t: f64) -> Result<Arc<Moments>, LoadError> {
-        self.sound.moments(t)
-    }
-}
-
 /// Where a part of a given load acts: its first facet or cell.
 #[derive(Clone, Copy)]
 enum Lost {
@@ -183,8 +165,10 @@ fn losing(name: &'static str, lost: Lost) -> Defect {
             }
             force
         };
-        let less = Less { sound: run.data.truth.clone(), part };
-        let data = MeshData::with_truth(run.data.space.clone(), Arc::new(less));
+        let less = loads(run.data.truth.clone(), move |sound, t| {
+            Ok(sound.load(t)?.iter().zip(part(t)).map(|(f, part)| f - part).collect())
+        });
+        let data = MeshData::with_truth(run.data.space.clone(), less);
         data.march(run.setup, run.steps, &Newton::default(), run.observe)
     })
 }

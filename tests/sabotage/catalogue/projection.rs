@@ -10,6 +10,7 @@ use vhi::law::{AnyProjection, Projection, Response, VonMises, YieldLimit};
 
 use super::Term::{self, Zeta};
 use super::{Defect, Marched, Run};
+use crate::wrong::Limit;
 
 /// The part of a strain that is projected.
 #[derive(Clone, Copy)]
@@ -94,25 +95,6 @@ fn replaced<P: Projection + 'static>(
     let Some(sound) = setup.scene_projection() else { return run.sound() };
     let projection = Some(AnyProjection::new(replace(sound)));
     run.on(&data.space, &Model { projection, ..setup.scene_model() })
-}
-
-/// A limit through functions of ζ.
-pub(super) struct Limit<V, W> {
-    pub(super) value: V,
-    pub(super) slope: W,
-}
-
-impl<V, W> YieldLimit for Limit<V, W>
-where
-    V: Fn(f64) -> f64 + Send + Sync,
-    W: Fn(f64) -> f64 + Send + Sync,
-{
-    fn value(&self, zeta: f64) -> f64 {
-        (self.value)(zeta)
-    }
-    fn slope(&self, zeta: f64) -> f64 {
-        (self.slope)(zeta)
-    }
 }
 
 /// What a limit with a wrong history remembers.

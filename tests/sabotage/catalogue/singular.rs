@@ -3,9 +3,9 @@
 use vhi::history::{ProductIntegration, TimeGrid, TimeRule};
 use vhi::law::{HistoryKernel, Singular};
 
-use super::memory::{Kernel, kernels};
-use super::time::Rule;
+use super::memory::kernels;
 use super::{Defect, Term};
+use crate::wrong::{Kernel, Rule};
 
 /// (t-s)^{-a} alone.
 struct Power(f64);

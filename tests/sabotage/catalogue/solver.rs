@@ -6,7 +6,8 @@ use vhi::{Newton, StepError, StepInfo, StepSolver, StepState};
 
 use super::Term::{self, Solver};
 use super::levels::{Commit, SOUND, march, unchecked};
-use super::{Defect, marched, solver};
+use super::{Defect, marched};
+use crate::wrong::solver;
 
 /// Newton's method with a hand in its result.
 fn handled(after: fn(&mut StepState)) -> impl StepSolver {

@@ -1,77 +1,17 @@
 //! Wrong weights of the history, in time and in the kernel's argument.
 
-use std::sync::Arc;
-
 use vhi::history::{TimeGrid, TimeRule, Trapezoid};
 use vhi::law::HistoryKernel;
 
 use super::{Defect, Term};
+use crate::wrong::Rule;
 
-type Weight = Arc<dyn Fn(&TimeGrid, usize, usize) -> f64 + Send + Sync>;
-type KernelWeight = Arc<dyn Fn(&dyn HistoryKernel, &TimeGrid, usize, usize) -> f64 + Send + Sync>;
-
-/// A time rule by functions: the weights of ζ, and those of kernels where they are others.
-#[derive(Clone)]
-pub(super) struct Rule {
-    pub(super) zeta: Weight,
-    pub(super) memory: Option<KernelWeight>,
-    /// Its recursion is that of the trapezoidal rule.
-    pub(super) recursive: bool,
-    pub(super) last_share: f64,
-}
-
-impl TimeRule for Rule {
-    fn weight(&self, grid: &TimeGrid, n: usize, j: usize) -> f64 {
-        (self.zeta)(grid, n, j)
-    }
-
-    fn kernel_weight(&self, q: &dyn HistoryKernel, grid: &TimeGrid, n: usize, j: usize) -> f64 {
-        match (&self.memory, self.weight(grid, n, j)) {
-            (Some(memory), _) => memory(q, grid, n, j),
-            (None, 0.0) => 0.0,
-            (None, weight) => weight * q.at(grid.time(n), grid.time(j)),
-        }
-    }
-
-    fn is_trapezoidal(&self) -> bool {
-        self.recursive
-    }
-
-    fn last_share(&self) -> f64 {
-        self.last_share
-    }
-}
-
-impl Rule {
-    /// The same weights for ζ and for the memory.
-    pub(super) fn of(
-        weight: impl Fn(&TimeGrid, usize, usize) -> f64 + Send + Sync + 'static,
-    ) -> Self {
-        Self { zeta: Arc::new(weight), memory: None, recursive: false, last_share: 0.5 }
-    }
-
-    /// Weights of the memory, ζ by the trapezoidal rule.
-    pub(super) fn memory(
-        weight: impl Fn(&dyn HistoryKernel, &TimeGrid, usize, usize) -> f64 + Send + Sync + 'static,
-    ) -> Self {
-        Self { memory: Some(Arc::new(weight)), ..Self::of(sound) }
-    }
-
-    /// Weights of ζ, the memory by the trapezoidal rule.
-    pub(super) fn zeta(weight: fn(&TimeGrid, usize, usize) -> f64) -> Self {
-        let by_trapezoids =
-            |q: &dyn HistoryKernel, grid: &_, n, j| Trapezoid.kernel_weight(q, grid, n, j);
-        Self { zeta: Arc::new(weight), ..Self::memory(by_trapezoids) }
-    }
-
-    /// A defect of the time rule, in contact and in abstract scenes.
-    fn seeded(self, term: Term, name: &'static str) -> Defect {
-        let rule = self.clone();
-        let in_contact = term.of(name, move |setup| setup.model.time_rule = Box::new(rule.clone()));
-        let program =
-            term.finite(name, move |setup| setup.model.time_rule = Box::new(self.clone()));
-        Defect { abstract_program: program.abstract_program, ..in_contact }
-    }
+/// A defect of the time rule, in contact and in abstract scenes.
+fn seeded(rule: Rule, term: Term, name: &'static str) -> Defect {
+    let of_body = rule.clone();
+    let in_contact = term.of(name, move |setup| setup.model.time_rule = Box::new(of_body.clone()));
+    let program = term.finite(name, move |setup| setup.model.time_rule = Box::new(rule.clone()));
+    Defect { abstract_program: program.abstract_program, ..in_contact }
 }
 
 pub(super) fn sound(grid: &TimeGrid, n: usize, j: usize) -> f64 {
@@ -110,11 +50,11 @@ const KEPT: usize = 8;
 
 pub fn defects() -> Vec<Defect> {
     let all = |name, weight: fn(&TimeGrid, usize, usize) -> f64| {
-        Rule::of(weight).seeded(Term::TimeRule, name)
+        seeded(Rule::of(weight), Term::TimeRule, name)
     };
-    let zeta = |name, weight| Rule::zeta(weight).seeded(Term::Zeta, name);
+    let zeta = |name, weight| seeded(Rule::zeta(weight), Term::Zeta, name);
     let memory = |name, weight: fn(&dyn HistoryKernel, &TimeGrid, usize, usize) -> f64| {
-        Rule::memory(weight).seeded(Term::Memory, name)
+        seeded(Rule::memory(weight), Term::Memory, name)
     };
     vec![
         all("last weight k, not k/2", |grid, n, j| {

@@ -19,8 +19,9 @@ use super::Term::{self, Abstract, Measurement};
 use super::contact::gap;
 use super::levels::march_by_two_points;
 use super::records::finest;
-use super::time::{Rule, sound};
+use super::time::sound;
 use super::{CaseSeed, Defect, Shown, Site};
+use crate::wrong::Rule;
 
 fn rests(moments: &mut Moments) -> [&mut f64; 5] {
     let Moments { strain, stress, displacement, normal, pressure, .. } = moments;
