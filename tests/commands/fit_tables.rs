@@ -215,16 +215,6 @@ fn every_table_gets_its_verdict_from_records_and_from_a_file() {
     }
 }
 
-#[test]
-fn divergence_is_not_read_as_convergence() {
-    let folder = Folder::new("sign");
-    let table = in_space("divergence", &DOUBLING, 2.0, Decision::Fail, "", |h| h.powi(-2));
-    let (_, rows) = fitted(&folder, &file(&table.rows, 0.0), &["--p", "2"]);
-    let observed = row(&rows, "h")["observed"].as_f64().expect("an order");
-    // A third of the least noise that is believed, over a factor of 32 in h.
-    assert!((observed + 2.0).abs() < 1e-3, "{observed}");
-}
-
 /// Bad rows do not vanish without a word: the counts add up.
 #[test]
 fn points_below_the_floor_are_listed() {

@@ -57,25 +57,6 @@ fn names(folder: &Folder) -> Vec<String> {
     names
 }
 
-/// Rows stand in the order in which cases ended; the page does not depend on it.
-#[test]
-fn the_order_of_records_leaves_no_trace() {
-    let folder = Folder::new("report-order");
-    assert_eq!(run(&folder, "run", &["steady"], &STEADY), 0);
-    let (table, page) = (folder.at("out").join("cases.csv"), folder.at("out").join("index.html"));
-    let before = std::fs::read(&page).expect("a page");
-    let rows = std::fs::read_to_string(&table).expect("a table");
-    let (header, rows) = rows.split_once('\n').expect("a header");
-    let reversed: Vec<&str> = rows.lines().rev().collect();
-    // Every fifth row, from each of the five: no two rows of a case are neighbours.
-    let apart: Vec<&str> = (0..5).flat_map(|at| rows.lines().skip(at).step_by(5)).collect();
-    for rows in [reversed, apart] {
-        std::fs::write(&table, format!("{header}\n{}\n", rows.join("\n"))).expect("written");
-        ends(0, &["report", &folder.argument("out")]);
-        assert!(std::fs::read(&page).expect("a page") == before);
-    }
-}
-
 /// Records of a horizon of 3/2 on a graded grid, h and k by hand; then damaged, without checksums: none of it is a pass.
 #[test]
 fn damaged_records_do_not_pass() {
@@ -335,22 +316,6 @@ fn studies_of_the_directory_are_chapters() {
         ["index.html", "report.md", "tables.tex", "report.json"].map(read) == pages,
         "the same twice"
     );
-
-    // That a study found something wrong is on the first page.
-    let name = "affine-bound.document.json";
-    let (file, sound) = (format!("out/{name}"), read(name));
-    folder.file(&file, &edited(&sound, "\"holds\": true", "\"holds\": false"));
-    assert_eq!(code(&report()), 0, "the exit code is that of the verdicts");
-    assert!(read("index.html").contains("(3.4), affine: not everything holds."));
-    // The end of the file is on its last line, not behind it.
-    let cut = sound[..sound.len() / 2].trim_end();
-    folder.file(&file, cut);
-    let output = report();
-    assert_eq!((code(&output), stdout(&output).as_str()), (2, ""));
-    let line = cut.lines().count();
-    let said = stderr(&output);
-    assert!(said.contains(&format!("{name}:{line}: ")), "{said}");
-    assert!(said.contains("sweep bound SCENE --out DIR"), "{said}");
 }
 
 /// What the page links to is there: sections, files, and the evidence of each verdict.

@@ -72,46 +72,6 @@ fn run_until(arguments: &[&str], table: &Path, rows: usize, errors: Stdio) -> Ch
     child
 }
 
-/// Runs until `cases.csv` has at least `rows` lines, then kills the process. False if it ended before.
-fn kill_after(arguments: &[&str], table: &Path, rows: usize) -> bool {
-    let mut child = run_until(arguments, table, rows, Stdio::null());
-    let running = child.try_wait().expect("a status").is_none();
-    child.kill().expect("SIGKILL");
-    child.wait().expect("a status");
-    running
-}
-
-#[test]
-fn a_killed_sweep_resumes_to_the_same_records() {
-    let folder = Folder::new("resume");
-    let scenes = scenes(&folder);
-    let whole = folder.argument("whole");
-    finish(&arguments(&scenes, &whole));
-    let expected = timeless(&folder.at("whole/cases.csv"));
-    let all = lines(&folder.at("whole/cases.csv"));
-    assert_eq!(all, expected.len());
-    let mut interrupted = 0;
-    // Before the first case, after the first, in the middle, and twice in a row.
-    for (moment, rows) in [vec![1], vec![2], vec![all / 2], vec![8, all / 2 + 6]].iter().enumerate()
-    {
-        let out = folder.argument(&format!("killed-{moment}"));
-        let table = folder.at(&format!("killed-{moment}/cases.csv"));
-        let mut resuming = arguments(&scenes, &out);
-        resuming.push("--resume");
-        for &rows in rows {
-            interrupted += usize::from(kill_after(&resuming, &table, rows));
-        }
-        let kept = lines(&table).saturating_sub(1) / 6;
-        let progress = finish(&resuming);
-        assert!(
-            recorded(&progress) >= kept.saturating_sub(1),
-            "{kept} cases were there: {progress}"
-        );
-        assert_eq!(timeless(&table), expected, "killed after {rows:?} rows");
-    }
-    assert!(interrupted >= 3, "{interrupted} of 5 kills came before the end");
-}
-
 /// Runs until `cases.csv` has at least `rows` lines, then sends a signal, as Ctrl-C does. Exit code and stderr.
 #[cfg(unix)]
 fn interrupt_after(
