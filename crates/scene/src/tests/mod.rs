@@ -6,7 +6,6 @@ mod laws;
 mod malformed;
 mod mesh_files;
 mod proved;
-mod pure;
 mod shapes;
 mod shipped;
 mod unreadable;

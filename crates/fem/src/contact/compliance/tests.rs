@@ -100,7 +100,7 @@ fn the_force_is_the_integral() {
         // The same law without cuts, and Gauss points, are off by some 1e-4.
         let gauss = force(&space, &boundary(Arc::new(law()), shift, BoundaryRule::Gauss), &u);
         assert!(distance(&exact, &gauss) > 1e-6, "{name}");
-        let uncut: Arc<dyn Potential> = Arc::new(Uncut(law()));
+        let uncut: Arc<dyn Potential> = Arc::new(Silent { law: law(), of_kinks: true });
         let uncut = force(&space, &boundary(uncut, shift, BoundaryRule::Exact), &u);
         assert!(distance(&exact, &uncut) > 1e-6, "{name}");
     }
@@ -129,7 +129,7 @@ fn curved_laws_are_integrated_to_rounding() {
         let exact = force(&space, &boundary(Arc::new(law()), shift, BoundaryRule::Exact), &u);
         let off = distance(&exact, &expected);
         assert!(off < allowed, "{curve:?}: {off:e}");
-        let coarse: Arc<dyn Potential> = Arc::new(Unresolved(law()));
+        let coarse: Arc<dyn Potential> = Arc::new(Silent { law: law(), of_kinks: false });
         let coarse = force(&space, &boundary(coarse, shift, BoundaryRule::Exact), &u);
         assert!(distance(&coarse, &expected) > unresolved, "{curve:?}");
     }
@@ -166,51 +166,31 @@ fn a_factor_multiplies_the_law_at_every_point() {
     }
 }
 
-/// The seeded defect: a curved law that passes for a piecewise linear one.
-struct Unresolved(Curved);
-
-impl Potential for Unresolved {
-    fn subdifferential(&self, r: f64) -> (f64, f64) {
-        self.0.subdifferential(r)
-    }
-    fn value_and_slope(&self, r: f64) -> (f64, f64) {
-        self.0.value_and_slope(r)
-    }
-    fn jumps(&self) -> &[f64] {
-        self.0.jumps()
-    }
-    fn kinks(&self) -> &[f64] {
-        self.0.kinks()
-    }
-    fn alpha(&self) -> f64 {
-        self.0.alpha()
-    }
-    fn growth(&self) -> (f64, f64) {
-        self.0.growth()
-    }
+/// The seeded defects: a curved law that passes for a piecewise linear one, and a law that does not name its kinks, so that
+/// no edge is cut.
+struct Silent<P> {
+    law: P,
+    of_kinks: bool,
 }
 
-/// The seeded defect: a law that does not name its kinks, so that no edge is cut.
-struct Uncut(PiecewiseLinear);
-
-impl Potential for Uncut {
+impl<P: Potential> Potential for Silent<P> {
     fn subdifferential(&self, r: f64) -> (f64, f64) {
-        self.0.subdifferential(r)
+        self.law.subdifferential(r)
     }
     fn value_and_slope(&self, r: f64) -> (f64, f64) {
-        self.0.value_and_slope(r)
+        self.law.value_and_slope(r)
     }
     fn jumps(&self) -> &[f64] {
-        &[]
+        if self.of_kinks { &[] } else { self.law.jumps() }
     }
     fn kinks(&self) -> &[f64] {
-        &[]
+        if self.of_kinks { &[] } else { self.law.kinks() }
     }
     fn alpha(&self) -> f64 {
-        self.0.alpha()
+        self.law.alpha()
     }
     fn growth(&self) -> (f64, f64) {
-        self.0.growth()
+        self.law.growth()
     }
 }
 

@@ -55,24 +55,6 @@ fn tetrahedra_of_both_versions_are_one_body() {
     assert_eq!([0, 1, 2].map(of_side), [1, 4, 1]);
 }
 
-#[test]
-fn broken_bodies_are_refused_with_the_line_of_the_element() {
-    // Lines of the file: element i stands at 30 + i.
-    let cases = [
-        (edited(SOLID_V2, "21 4 2 4 4 1 2 3 13", "21 4 2 4 4 1 2 3 99"), 51, "there is no node 99"),
-        (edited(SOLID_V2, "21 4 2 4 4 1 2 3 13", "21 4 2 4 4 1 2 3 4"), 51, "has no volume"),
-        (edited(SOLID_V2, "21 4 2 4 4 1 2 3 13", "21 11 2 4 4 1 2 3 13"), 51, "order 2"),
-        (edited(SOLID_V2, "1 2 2 1 1 1 2 3", "1 2 2 1 1 1 2 13"), 31, "does not bound the domain"),
-        (edited(SOLID_V2, "1 2 2 1 1 1 2 3", "1 2 2 1 1 1 3 4"), 32, "is named twice"),
-        (edited(SOLID_V2, "21 4 2 4 4 1 2 3 13", "21 4 2 4 4 1 3 4 13"), 52, "the same side"),
-    ];
-    for (text, line, message) in cases {
-        let error = read_gmsh(&text).unwrap_err();
-        assert!(error.to_string().contains(message), "{error}, not {message}");
-        assert_eq!(error.line, line, "{error}");
-    }
-}
-
 /// The upper layer with the other diagonal on the interface: two layers that do not meet face to face, and one with a
 /// vertex in the middle of the interface.
 #[test]

@@ -143,21 +143,6 @@ fn changes_have_the_digits_that_show_them() {
 }
 
 #[test]
-fn a_changed_scene_is_unresolved_and_never_green() {
-    let comparison = compared(&records(), "another", true);
-    let deviation = only(&comparison);
-    assert_eq!((deviation.kind, deviation.verdict), (DeviationKind::Stale, Decision::Unresolved));
-    assert_eq!((comparison.exit_code(), comparison.compared), (1, 0));
-    assert!(comparison.lines().iter().any(|line| line.contains("sweep baseline")));
-}
-
-#[test]
-fn other_grids_are_compared_where_they_meet() {
-    let comparison = compared(&records()[..1], "hash", false);
-    assert!(comparison.deviations.is_empty() && comparison.compared == 1);
-}
-
-#[test]
 fn a_scene_that_is_not_recorded_is_said() {
     let run = ComparedRun {
         scene: "new".into(),

@@ -54,36 +54,6 @@ fn verdict(records: &[CaseRecord], prediction: &Prediction) -> Verdict {
 }
 const DOUBLING: [u32; 6] = [8, 16, 32, 64, 128, 256];
 
-#[test]
-fn power_laws_pass_with_any_ratio() {
-    for ns in [&[10, 13, 17, 22][..], &[16, 24, 36, 54], &[8, 16, 32, 64]] {
-        let space = verdict(&table(ns, &[4], |h, _| 2.0 * h), &predict(Variable::H, 1.0));
-        assert_eq!(space.decision, Decision::Pass, "{}", space.reason);
-        assert!((space.constants["C_h"].value - 2.0).abs() < 1e-12);
-        let time = verdict(&table(&[4], ns, |_, k| 5.0 * k * k), &predict(Variable::K, 2.0));
-        assert_eq!(time.decision, Decision::Pass, "{}", time.reason);
-        assert_eq!(time.points_used.len(), 4);
-    }
-}
-
-#[test]
-fn a_plateau_at_the_floor_is_left_out() {
-    let plateau = table(&[4], &DOUBLING, |_, k| (1e-8 * k * k).max(5e-12));
-    let verdict = verdict(&plateau, &predict(Variable::K, 2.0));
-    assert_eq!(verdict.points_left_out.len(), 4);
-    assert!(verdict.points_left_out[0].reason.as_ref().unwrap().starts_with("below floor"));
-    assert_eq!(verdict.decision, Decision::Unresolved);
-    assert!(
-        verdict.reason.contains("run steps = 4: finer ones are below the floor"),
-        "{}",
-        verdict.reason
-    );
-    // Zeros below a stated floor.
-    let zeros = self::verdict(&table(&[4], &DOUBLING, |_, _| 0.0), &predict(Variable::K, 2.0));
-    assert_eq!((zeros.decision, zeros.complete), (Decision::Unresolved, true));
-    assert!(zeros.reason.contains("lower the floor"), "{}", zeros.reason);
-}
-
 /// The finest error set to 0, with its floor and without; the three finest, as a writer that was cut off leaves them; all
 /// floors taken away. Nothing of it passes, and nothing of it is as expected.
 #[test]
@@ -199,33 +169,6 @@ fn a_missing_a_failed_and_a_broken_case_fail_even_where_failure_is_expected() {
 }
 
 #[test]
-fn two_points_are_unresolved_and_name_the_third() {
-    let two = verdict(&table(&[64, 128], &[4], |h, _| h), &predict(Variable::H, 1.0));
-    assert_eq!(two.decision, Decision::Unresolved);
-    assert_eq!(two.reason, "2 points, an order needs 3: run n = 256");
-    assert!(two.interval.is_none());
-    assert_eq!(two.next, [MeshAndSteps { n: Some(256), steps: 4 }]);
-    let windowed = Prediction { window_n: Some([32, 64]), ..predict(Variable::H, 1.0) };
-    let windowed = verdict(&table(&DOUBLING, &[4], |h, _| h), &windowed);
-    assert_eq!(windowed.points_left_out[0].reason.as_deref(), Some("outside window"));
-    assert_eq!(windowed.points_used.len(), 2);
-}
-
-#[test]
-fn an_order_too_high_is_unresolved_unless_it_is_a_bound_or_exact() {
-    let records = table(&DOUBLING, &[4], |h, _| h.powf(1.7));
-    let high = verdict(&records, &predict(Variable::H, 1.0));
-    assert_eq!(high.decision, Decision::Unresolved);
-    assert!(high.reason.contains("order too high"), "{}", high.reason);
-    assert!(high.reason.contains("state the higher order"), "{}", high.reason);
-    assert!(!high.reason.contains("run n") && high.next.is_empty(), "{}", high.reason);
-    let bound = Prediction { at_least: true, ..predict(Variable::H, 1.0) };
-    assert_eq!(verdict(&records, &bound).decision, Decision::Pass);
-    let exact = Prediction { exact: true, ..predict(Variable::H, 1.0) };
-    assert_eq!(verdict(&records, &exact).decision, Decision::Fail);
-}
-
-#[test]
 fn the_grid_gives_both_orders_and_the_path_gives_none() {
     let joint = Prediction { order_k: Some(2.0), ..predict(Variable::Joint, 1.0) };
     let levels = [8, 16, 32, 64];
@@ -263,30 +206,6 @@ fn a_slope_bent_by_the_other_term_says_so() {
     // On the finest grid: 0.3/64 of 0.3/64 + 4/64² is 83 %.
     let words = "the space term is 83 % of the error at n = 64, steps = 64";
     assert!(time.reason.contains(words), "{}", time.reason);
-}
-
-#[test]
-fn intervals_are_wide_or_clear_and_say_why() {
-    // Errors that scatter by a fifth around h.
-    let scatter =
-        |h: f64, _: f64| h * if ((1.0 / h).log2() as u32).is_multiple_of(2) { 1.2 } else { 0.8 };
-    let wide = verdict(&table(&DOUBLING, &[4], scatter), &predict(Variable::H, 1.0));
-    assert_eq!(wide.decision, Decision::Unresolved, "{}", wide.reason);
-    assert!(
-        wide.reason.contains("no reading that the judge knows fits")
-            && wide.reason.ends_with("run n = 512"),
-        "{}",
-        wide.reason
-    );
-    assert_eq!(wide.next, [MeshAndSteps { n: Some(512), steps: 4 }]);
-    // Six exact levels tell orders apart that differ by a tenth.
-    let off = |order: f64| {
-        let records = table(&DOUBLING, &[4], |h, _| h.powf(order));
-        verdict(&records, &predict(Variable::H, 1.0)).decision
-    };
-    assert_eq!([0.9, 0.97, 1.03].map(off), [Decision::Fail, Decision::Pass, Decision::Pass]);
-    let passed = verdict(&table(&DOUBLING, &[4], |h, _| h), &predict(Variable::H, 1.0));
-    assert_eq!((passed.decision, passed.next.len()), (Decision::Pass, 0));
 }
 
 #[test]
@@ -505,15 +424,6 @@ fn a_row_names_what_is_refined() {
         let row = cell_texts(&Verdict { variable, ..one.clone() });
         assert_eq!([&*row[0], &*row[1], &*row[2]], ["block", V_MAX, name]);
     }
-}
-
-#[test]
-fn expectations_turn_the_exit_code() {
-    let records = table(&DOUBLING, &[4], |h, _| h.sqrt());
-    let prediction = predict(Variable::H, 1.0);
-    let code = |expect| exit_code(&records, &[judge("block", &records, &[], &prediction, expect)]);
-    assert_eq!((code(Decision::Pass), code(Decision::Fail), code(Decision::Unresolved)), (1, 0, 1));
-    assert_eq!(exit_code(&[], &[]), 0);
 }
 
 #[test]

@@ -1,10 +1,10 @@
-//! Abstract scenes: the chain on every kind of grid, and defects of the solver.
+//! Abstract scenes: the chain on every kind of grid.
 
 use super::super::scenes::FiniteInTime;
 use super::super::*;
 use super::{subject, violations};
 use scene::setup::{AbstractSetup, Subject};
-use vhi::history::{CorrectedEnd, TimeGrid, TimeRule, Trapezoid};
+use vhi::history::{CorrectedEnd, TimeRule, Trapezoid};
 
 fn abstract_setup(name: &str) -> AbstractSetup {
     match subject(name) {
@@ -27,42 +27,6 @@ fn the_chain_holds_on_uniform_graded_and_random_grids() {
             // Truncation is of order 2: k² times a constant that the scenes keep below 1.
             let k = run.grid.largest_step();
             assert!(run.truncation[1][last] < k * k, "{name} {steps}");
-        }
-    }
-}
-
-struct LastWeight;
-impl TimeRule for LastWeight {
-    fn weight(&self, grid: &TimeGrid, n: usize, j: usize) -> f64 {
-        let right = Trapezoid.weight(grid, n, j);
-        if j == n { 2.0 * right } else { right }
-    }
-}
-
-struct NothingAtZero;
-impl TimeRule for NothingAtZero {
-    fn weight(&self, grid: &TimeGrid, n: usize, j: usize) -> f64 {
-        if j == n { 0.0 } else { Trapezoid.weight(grid, n, j) }
-    }
-}
-
-#[test]
-fn wrong_last_weights_are_caught() {
-    for name in ["abstract-smooth", "abstract-contact", "abstract-graded", "abstract-random"] {
-        let mut wrong = abstract_setup(name);
-        let setup = abstract_setup(name);
-        let scene = FiniteInTime::new(&setup).unwrap();
-        let rules: [Box<dyn TimeRule>; 2] = [Box::new(LastWeight), Box::new(NothingAtZero)];
-        for (i, rule) in rules.into_iter().enumerate() {
-            wrong.model.time_rule = rule;
-            let grid = scene.grid(128);
-            let run = scene.run(&wrong.model, &grid, &scene.loads(&grid).unwrap()).unwrap();
-            let run = scene.compared(grid, run).unwrap();
-            let found = violations(&run);
-            assert!(
-                found.iter().any(|v| v.statement.says == "e <= weighted envelope"),
-                "{name} {i}"
-            );
         }
     }
 }
