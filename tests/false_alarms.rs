@@ -167,15 +167,15 @@ fn table(outcomes: &[Outcome]) -> String {
 /// Runs of the scenes judged in time alone, which cost little: the harness and these scenes stay fit for the long run.
 #[test]
 #[ignore = "a minute: make test-long"]
-fn long_three_perturbed_gates_pass() {
+fn long_a_perturbed_gate_passes() {
     let mut scenes = judged();
     scenes.retain(|scene| scene.predicts.iter().all(|p| p.variable == Direction::K));
-    let outcomes: Vec<Outcome> = (0..3).flat_map(|seed| gate(&scenes, seed, None)).collect();
+    let outcomes = gate(&scenes, 0, None);
     let count = Count::of(&outcomes);
     println!("{}", table(&outcomes));
-    assert!(count.verdicts >= 60, "{count:?}");
+    assert!(count.verdicts >= 20, "{count:?}");
     assert_eq!(count.failed, 0);
-    // Of three runs, 2 % is no measure: one of sixty may be open.
+    // Of one run, 2 % is no measure: one of twenty may be open.
     assert!(count.unresolved <= 1, "{count:?}");
 }
 
