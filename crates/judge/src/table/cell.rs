@@ -325,7 +325,8 @@ pub(super) fn role(name: &str) -> Role {
         return Role::Ignored;
     }
     // `hDEC`.
-    if bare.strip_prefix('h').is_some_and(|of| of.len() > 1 && of.chars().all(char::is_uppercase)) {
+    let shouted = |of: &str| of.len() > 1 && of.chars().all(char::is_uppercase) && !is_rate(of);
+    if bare.strip_prefix('h').is_some_and(shouted) {
         return LENGTH;
     }
     // `h||` is what is left of a norm.
