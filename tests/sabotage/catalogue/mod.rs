@@ -401,9 +401,11 @@ pub fn site<'a>(setup: &'a Setup, space: &'a Discretization, sound: &'a dyn Trut
     Site { exact: setup.exact.as_deref(), interpolated, space, sound }
 }
 
+type LoadAt = dyn Fn(&Site<'_>, f64) -> Result<Vec<f64>, LoadError> + Send + Sync;
+
 struct Driven<'a> {
     site: Site<'a>,
-    load: &'a (dyn Fn(&Site<'_>, f64) -> Result<Vec<f64>, LoadError> + Send + Sync),
+    load: &'a LoadAt,
 }
 
 impl Load for Driven<'_> {
