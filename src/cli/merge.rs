@@ -4,7 +4,7 @@
 use std::path::{Path, PathBuf};
 
 use super::machine::Allowance;
-use super::run::{BASELINE, LATEST, What};
+use super::run::{BASELINE, LATEST, What, recorded};
 use super::scenes::Chosen;
 use super::swept::Swept;
 use super::{CliError, Scenes, print_json, print_text};
@@ -93,12 +93,6 @@ impl MergeCommand {
         let given = flags.into_iter().filter(|(given, _)| *given).map(|(_, flag)| flag);
         std::iter::once("merge").chain(given).collect()
     }
-}
-
-/// A baseline that is named.
-pub(super) fn recorded(path: &Path) -> Result<Baseline, CliError> {
-    let read = Baseline::read(path)?;
-    read.ok_or_else(|| CliError::about(path.display(), "no such file"))
 }
 
 // `sweep baseline`: records errors and work of the scenes for later comparison.

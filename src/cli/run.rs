@@ -1,12 +1,11 @@
 //! `sweep run` and `sweep gate`.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::Args;
 use rayon::prelude::*;
 
 use super::machine::{Allowance, on_interrupt, processors};
-use super::merge::recorded;
 use super::scenes::Chosen;
 use super::swept::{Swept, annotate, on_github};
 use super::{CliError, Scenes, print_json, print_text};
@@ -312,4 +311,10 @@ impl What {
     pub(super) fn plans(&self, scenes: &Scenes) -> Result<Vec<ScenePlan>, CliError> {
         self.chosen.plans(scenes, &self.allowance.limit())
     }
+}
+
+/// A baseline that is named.
+pub(super) fn recorded(path: &Path) -> Result<Baseline, CliError> {
+    let read = Baseline::read(path)?;
+    read.ok_or_else(|| CliError::about(path.display(), "no such file"))
 }

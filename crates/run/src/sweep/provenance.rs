@@ -285,7 +285,7 @@ pub enum OutputError {
     #[error("{0}; choose another directory with --out")]
     Io(#[from] FileError),
     #[error(
-        "{}: {holder} is writing here; wait until it has finished, or choose another directory",
+        "{}: {holder} is writing here; wait until it has finished, or choose another directory with --out",
         path.display()
     )]
     Held { path: PathBuf, holder: String },
