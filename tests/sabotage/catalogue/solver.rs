@@ -22,9 +22,11 @@ fn rounded() -> impl StepSolver {
     handled(|state| single(&mut state.u))
 }
 
-fn loose() -> Newton {
+/// In the volume, where the condensed problem would be solved to rounding all the same.
+fn loose() -> impl StepSolver {
     // 1e11 units of rounding: a residual of 2e-5 of the forces.
-    Newton { rounding_units: 1e11, ..Newton::default() }
+    let newton = Newton { rounding_units: 1e11, ..Newton::default() };
+    solver(move |problem, state, scratch| newton.solve(problem, state, scratch))
 }
 
 /// One iteration, whose result counts.
