@@ -134,7 +134,7 @@ def blocks(lines, separator):
             if len(re.findall(r"(?<![\w.])[-+.]?\d", line)) > 1 or kind(line) == "error":
                 raise Unsure(line)
             continue
-        if any(name.count("[") + name.count("(") > name.count("]") + name.count(")") or re.search("(?i)norm|multicolumn|percent|htime|[;,&=\t]|^[|]+$", name) for name in names):
+        if any(name.count("[") + name.count("(") > name.count("]") + name.count(")") or re.search("(?i)norm|multicolumn|percent|htime|errors?rate|[;,&=\t]|^[|]+$", name) for name in names):
             raise Unsure(line)
         if any(of == "size" and after == "rate" for of, after in zip(known, known[1:])):
             raise Unsure("a rate behind a size")

@@ -294,9 +294,10 @@ pub(super) fn role(name: &str) -> Role {
     let bar = if name.starts_with('|') && !name.contains('-') { " | " } else { "\t" };
     let words = words.flat_map(|part| part.split(bar));
     let words = words.filter(|part| part.contains(char::is_alphanumeric));
-    // Nor is the piece of a row.
-    let piece = |(first, _)| number(first).is_some();
-    if name.len() > LONGEST_NAME || words.count() > 1 || name.split_once(" | ").is_some_and(piece) {
+    // Nor is the piece of a row, nor a title.
+    let piece = name.split_once(" | ").is_some_and(|(first, _)| number(first).is_some());
+    let title = name.get(..6).is_some_and(|begin| begin.eq_ignore_ascii_case("table "));
+    if name.len() > LONGEST_NAME || words.count() > 1 || piece || title {
         return Role::Unknown;
     }
     // A unit in brackets is no part of the name.
