@@ -1,6 +1,6 @@
-//! Classes that are not the families of the model at its own nodes.
+//! A table of classes that are not the families of the model at its own nodes, beside the rules in common use.
 
-use super::{Random, level};
+use super::{Random, level, straight_line};
 use crate::fit::{Claim, Decision, Known, Level, infer};
 
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -123,6 +123,17 @@ pub(super) fn draw(kind: Kind, levels: usize, random: &mut Random) -> Drawn {
     Drawn { table, order: p, other, reference }
 }
 
+fn slope_rule(table: &[Level], order: f64) -> Decision {
+    let [.., slope] = straight_line(table);
+    if (slope - order).abs() <= 0.1 { Decision::Pass } else { Decision::Fail }
+}
+
+fn three_grids(table: &[Level], order: f64) -> Decision {
+    let [.., a, b, c] = table else { return Decision::Unresolved };
+    let slope = ((a.error() - b.error()) / (b.error() - c.error())).abs().log2();
+    if (slope - order).abs() <= 0.1 { Decision::Pass } else { Decision::Fail }
+}
+
 /// Percent: pass and fail at the truth, false passes at +¼, −¼, +½, −½, coverage of the interval.
 #[derive(Default)]
 pub(super) struct Cell {
@@ -165,6 +176,49 @@ pub(super) fn cell(kind: Kind, levels: usize, seeds: std::ops::Range<u64>, told:
 fn read(drawn: &Drawn, told: bool) -> Option<crate::fit::Posterior> {
     let known = Known { reference: told.then_some(drawn.reference), ..Known::default() };
     infer(&drawn.table, &known).ok()
+}
+
+const LENGTHS: [usize; 6] = [3, 4, 5, 6, 8, 12];
+
+/// `COUNT` tables a cell, 100 unless said otherwise, on seeds from `FIRST` on.
+#[test]
+#[ignore = "prints a table: minutes"]
+fn table_of_the_classes() {
+    let count = std::env::var("COUNT").ok().and_then(|count| count.parse().ok()).unwrap_or(100);
+    let only = std::env::var("ONLY").unwrap_or_default();
+    let first = std::env::var("FIRST").ok().and_then(|first| first.parse().ok()).unwrap_or(300_000);
+    let seeds = first..first + count;
+    println!(
+        "class levels pass/fail/open +1/4 -1/4 +1/2 -1/2 coverage | last pair, slope, three grids: pass, wrong at ±1/4"
+    );
+    for kind in KINDS {
+        if !format!("{kind:?}").contains(&only) {
+            continue;
+        }
+        let told = [false, true];
+        let told =
+            &told[..1 + usize::from(matches!(kind, Kind::Reference | Kind::ReferenceSquares))];
+        for (&told, levels) in told.iter().flat_map(|told| LENGTHS.map(|levels| (told, levels))) {
+            let Cell { pass, fail, wrong, covered } = cell(kind, levels, seeds.clone(), told);
+            let rules = [super::last_pair as super::Rule, slope_rule, three_grids].map(|rule| {
+                let share = |offset: f64| {
+                    let hits = seeds.clone().filter(|&seed| {
+                        let drawn = draw(kind, levels, &mut Random::new(seed));
+                        rule(&drawn.table, drawn.order + offset) == Decision::Pass
+                    });
+                    100.0 * hits.count() as f64 / count as f64
+                };
+                format!("{:3.0} {:3.0}", share(0.0), 0.5 * (share(0.25) + share(-0.25)))
+            });
+            let name = format!("{kind:?}{}", if told { " told" } else { "" });
+            println!(
+                "{name:22} {levels:2} {pass:5.1} {fail:5.1} {:5.1}  {}  {covered:5.1} | {}",
+                100.0 - pass - fail,
+                wrong.map(|share| format!("{share:4.1}")).join(" "),
+                rules.join(" | ")
+            );
+        }
+    }
 }
 
 /// What few levels leave open: a sign change at three is in the interval, and of lines that a floor explains some are
