@@ -288,16 +288,22 @@ static KNOWN: LazyLock<HashMap<&str, Role>> = LazyLock::new(|| {
 static IGNORED: LazyLock<HashSet<&str>> = LazyLock::new(|| COUNTERS.split_whitespace().collect());
 static NORMS: LazyLock<HashSet<&str>> = LazyLock::new(|| NORM_NAMES.split_whitespace().collect());
 
-pub(super) fn role(name: &str) -> Role {
-    // Words that stand far apart are no one name.
-    let words = name.split('\t').flat_map(|part| part.split("   "));
+/// Prose, words that stand far apart, the piece of a row, or a title.
+fn is_no_name(name: &str) -> bool {
+    if name.len() > LONGEST_NAME {
+        return true;
+    }
     let bar = if name.starts_with('|') && !name.contains('-') { " | " } else { "\t" };
+    let words = name.split('\t').flat_map(|part| part.split("   "));
     let words = words.flat_map(|part| part.split(bar));
     let words = words.filter(|part| part.contains(char::is_alphanumeric));
-    // Nor is the piece of a row, nor a title.
-    let piece = name.split_once(" | ").is_some_and(|(first, _)| number(first).is_some());
-    let title = name.get(..6).is_some_and(|begin| begin.eq_ignore_ascii_case("table "));
-    if name.len() > LONGEST_NAME || words.count() > 1 || piece || title {
+    let piece = || name.split_once(" | ").is_some_and(|(first, _)| number(first).is_some());
+    let title = || name.get(..6).is_some_and(|begin| begin.eq_ignore_ascii_case("table "));
+    words.count() > 1 || piece() || title()
+}
+
+pub(super) fn role(name: &str) -> Role {
+    if is_no_name(name) {
         return Role::Unknown;
     }
     // A unit in brackets is no part of the name.

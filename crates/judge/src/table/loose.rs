@@ -75,8 +75,10 @@ fn pairs(line: &str) -> Vec<(String, String)> {
             "=" => {
                 let named = error_of.take().filter(|_| name.is_empty()).unwrap_or(named);
                 // `L2error 0 = 0.05` counts its errors.
-                let counted = named.rsplit_once(' ').filter(|(of, n)| is_norm(of) && value(n));
-                let named = counted.map_or(named.clone(), |(of, _)| of.to_owned());
+                let named = match named.rsplit_once(' ') {
+                    Some((of, count)) if is_norm(of) && value(count) => of.to_owned(),
+                    _ => named,
+                };
                 // What stands behind a size without a name: `n = 8: 0.1`.
                 let bare = name.is_empty() && found.last().is_some_and(|(name, _)| is_size(name));
                 let named = if named.is_empty() && bare { BEHIND.into() } else { named };
