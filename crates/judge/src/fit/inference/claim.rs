@@ -17,12 +17,17 @@ pub(super) const REFUTED: f64 = 0.975;
 /// Probability of a hit that confirms; lower with three levels, whose slopes have to agree instead.
 const CONFIRMED: f64 = 0.80;
 const CONFIRMED_BY_THREE: f64 = 0.70;
-/// The same where the slope of a straight line is within this share of the tolerance, and the slopes scatter about it.
+/// The same where a straight line is near the claim, and the slopes scatter about it.
 const CONFIRMED_BY_LINE: f64 = 0.50;
 /// Over the tolerance: 18 % for 0.15. A noise of 10 % leaves less about a line, with a probability of 95 % where two degrees of
 /// freedom are left (chi-square).
 const MOST_SCATTER: f64 = 1.2;
-const NEAR_LINE: f64 = 2.0 / 3.0;
+/// Near the claim, as shares of the tolerance: all slopes; the line through slopes that scatter, and the median beside it.
+const NEAR_SLOPES: f64 = 2.0 / 3.0;
+const NEAR_LINE: f64 = 0.8;
+/// Slopes that fall by this factor more at each level do not come from a next term: its changes shrink, or grow by less where
+/// it outweighs the first.
+const EVER_FASTER: f64 = 1.1;
 /// Above this, a hit counts if the median is within half the tolerance of the claim.
 const CERTAIN: f64 = 0.95;
 /// Allowed difference of the two slopes of three levels, as a share of the order.
@@ -217,7 +222,8 @@ impl Posterior {
         let probability = probability(mixture, claim);
         let too_low = mixture.below(claim.order - claim.clear_miss());
         let line = self.scatters_about(claim);
-        let settled = self.turns_about(claim) || self.arrives_at(claim.order);
+        let settled =
+            self.turns_about(claim) || self.falls_about(claim) || self.arrives_at(claim.order);
         let near = if settled { NEAR_LINE } else { 0.5 };
         let centred = mixture.below(claim.order - near * claim.reach()) < 0.5;
         let too_high =
@@ -260,12 +266,26 @@ impl Posterior {
         }
     }
 
-    /// Four and more slopes are all near the claim, or come nearer and end there, or scatter about a line that is near.
+    /// Three and more slopes are all near the claim, or come nearer and end there, or scatter about a line that is near.
     fn scatters_about(&self, claim: &Claim) -> bool {
-        let near = |slope: &f64| (slope - claim.order).abs() <= NEAR_LINE * claim.reach();
+        let near = |slope: &f64| (slope - claim.order).abs() <= NEAR_SLOPES * claim.reach();
         let few = self.slopes.len() < FEWEST || self.trend.told_noise;
         self.turns_about(claim)
+            || self.falls_about(claim)
             || !few && (self.slopes.iter().all(near) || self.arrives_at(claim.order))
+    }
+
+    /// Three and more slopes fall ever faster, as noise may have it, all within the tolerance and about the claim.
+    fn falls_about(&self, claim: &Claim) -> bool {
+        let changes: Vec<f64> = self.slopes.windows(2).map(|pair| pair[1] - pair[0]).collect();
+        let faster = |pair: &[f64]| pair[0] <= 0.0 && pair[1] <= EVER_FASTER * pair[0];
+        let mean = self.slopes.iter().sum::<f64>() / self.slopes.len() as f64;
+        let off = |slope: f64| (slope - claim.order).abs() / claim.reach();
+        changes.len() > 1
+            && !self.trend.told_noise
+            && changes.windows(2).all(faster)
+            && off(mean) <= NEAR_LINE
+            && self.slopes.iter().all(|slope| off(*slope) <= 1.0)
     }
 
     /// The slopes go up and down, and the line through the errors is near the claim.

@@ -276,3 +276,20 @@ fn classes_beyond_the_families_of_the_model_keep_their_limits() {
         assert_eq!(of(Kind::Plateau, levels, false).fail, 0.0, "{levels}");
     }
 }
+
+/// No next term makes slopes fall by more and more about their order; one makes them fall by less and less.
+#[test]
+fn slopes_that_fall_ever_faster_about_the_order_are_those_of_noise() {
+    let decided = |slopes: [f64; 3], order: f64| {
+        let mut table = vec![level(1.0, 1.0)];
+        for slope in slopes {
+            let last = table[table.len() - 1];
+            table.push(level(0.5 * last.size(), last.error() * 0.5f64.powf(slope)));
+        }
+        let posterior = crate::fit::infer(&table, &Known::default()).expect("a line");
+        posterior.decide(&Claim::new(order).expect("a claim")).decision
+    };
+    assert_eq!(decided([3.07, 3.02, 2.90], 3.0), Decision::Pass);
+    assert_eq!(decided([3.10, 2.97, 2.91], 3.0), Decision::Unresolved);
+    assert_eq!(decided([3.07, 3.02, 2.83], 3.0), Decision::Unresolved);
+}
