@@ -8,7 +8,7 @@ use super::{CliError, print_as_it_is, print_text, print_verdicts, prints_all};
 use files::counted;
 use judge::fit::AgainstReference;
 use judge::record::CaseRecord;
-use judge::verdict::{Comparison, Found, Verdict, document, exit_code, failures};
+use judge::verdict::{Comparison, Explanation, Verdict, document, exit_code, failures};
 use report::{AnnotationPlace, SceneSummary, annotations, step_summary, write_all};
 use run::sweep::{OutputDirectory, ScenePlan, reference_in_words};
 use serde_json::{Value, json};
@@ -23,7 +23,7 @@ pub(super) struct Swept {
     pub(super) provenance: Value,
     pub(super) comparison: Option<Comparison>,
     /// Why a solver under test is wrong.
-    pub(super) cause: Option<Found>,
+    pub(super) cause: Option<Explanation>,
     /// Scenes with given loads, and the errors of their reference runs.
     pub(super) references: Vec<(String, AgainstReference)>,
     /// Kept locked until the report is written.

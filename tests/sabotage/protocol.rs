@@ -13,7 +13,7 @@ use fem::contact::StepView;
 use judge::record::{CaseRecord, Key, Status};
 use judge::verdict::{Decision, ForeseenConstant, Verdict};
 use rayon::prelude::*;
-use run::external::{Answer, Cause, Found, Given, InProcess, Solve, cause_of};
+use run::external::{Answer, Cause, Explanation, Given, InProcess, Solve, cause_of};
 use run::sweep::{CasePlan, Overrides, ScenePlan, foresee, judge_scene, run_contact_case};
 use scene::setup::{MeshData, NewtonMarch, Scheme, Setup, Subject};
 use scene::{Norm, Scene, Source};
@@ -279,7 +279,7 @@ impl Stage {
     }
 
     /// What the equations say of a mistake, on the smallest case where they say something.
-    fn cause(&self, mistake: &Defect) -> Option<Found> {
+    fn cause(&self, mistake: &Defect) -> Option<Explanation> {
         let solver = InProcess(Solver {
             program: mistake.apply(fresh(&self.sound)),
             handed: mistake.answer,
@@ -288,7 +288,7 @@ impl Stage {
             let (_, data) = self.meshes.iter().find(|(n, _)| case.n == Some(*n))?;
             cause_of(&self.sound, &solver, data, case.steps).ok()
         };
-        let all: Vec<Found> = self.plan.cases.iter().take(3).filter_map(found).collect();
+        let all: Vec<Explanation> = self.plan.cases.iter().take(3).filter_map(found).collect();
         let wrong = all.iter().find(|found| found.cause != Cause::Nothing);
         wrong.or(all.first()).cloned()
     }

@@ -41,7 +41,7 @@ use document::{
 use files::{FileError, ListError, make_directory, write_listed};
 use judge::fit::Direction;
 use judge::record::{CaseRecord, RecordError, write_sorted};
-use judge::verdict::{Comparison, DocumentError, Found, Verdict, write_json};
+use judge::verdict::{Comparison, DocumentError, Explanation, Verdict, write_json};
 
 /// A scene in a report, beside its results.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -127,7 +127,7 @@ pub fn write_all(
     verdicts: &[Verdict],
     provenance: &serde_json::Value,
     baseline: Option<&Comparison>,
-    cause: Option<&Found>,
+    cause: Option<&Explanation>,
 ) -> Result<(), ReportError> {
     make_directory(dir)?;
     let external = by_verify(provenance);

@@ -111,7 +111,7 @@ fn a_report_is_whole_and_the_same_twice() {
 fn a_cause_is_said_first_and_kept() {
     let dir = std::env::temp_dir().join(format!("gronwall-cause-{}", std::process::id()));
     let records = example("s");
-    let cause = Found {
+    let cause = Explanation {
         cause: Cause::Memory,
         says: "the memory is summed by the left-hand rule".into(),
         numbers: "n = 4: 4e-2 is left".into(),

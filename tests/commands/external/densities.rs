@@ -4,7 +4,7 @@ use exact::{Densities, Truth};
 use fem::contact::{Discretization, LoadError};
 use fem::norms::Moments;
 use judge::verdict::Decision;
-use run::external::{Cause, Found, by_density, cause_of, decode, write_case};
+use run::external::{Cause, Explanation, by_density, cause_of, decode, write_case};
 use run::sweep::{Overrides, ScenePlan, foresee, judge_scene, run_contact_case};
 use scene::Scene;
 use scene::setup::{MeshData, NewtonMarch, Scheme, Setup, Subject};
@@ -139,7 +139,7 @@ impl<F: Fn(Densities, &Discretization) -> Vec<f64> + Send + Sync + Copy + 'stati
     }
 }
 
-fn found<F>(name: &str, assemble: F) -> Found
+fn found<F>(name: &str, assemble: F) -> Explanation
 where
     F: Fn(Densities, &Discretization) -> Vec<f64> + Send + Sync + Copy + 'static,
 {

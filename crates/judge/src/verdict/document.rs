@@ -33,7 +33,7 @@ struct Document<'a> {
     #[serde(skip_serializing_if = "Option::is_none")]
     baseline: Option<&'a Comparison>,
     #[serde(skip_serializing_if = "Option::is_none")]
-    cause: Option<&'a Found>,
+    cause: Option<&'a Explanation>,
 }
 
 /// What an answer of a solver under test has wrong.
@@ -57,7 +57,7 @@ pub enum Cause {
 
 /// Why a solver under test is wrong, as its answers show.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Found {
+pub struct Explanation {
     pub cause: Cause,
     /// In a sentence.
     pub says: String,
@@ -67,7 +67,7 @@ pub struct Found {
     pub fits: bool,
 }
 
-impl Found {
+impl Explanation {
     /// The sentence, with its doubt.
     pub fn in_words(&self) -> String {
         format!("{}{}", if self.fits { "" } else { "perhaps " }, self.says)
@@ -92,7 +92,7 @@ struct Written {
     #[serde(default)]
     verdicts: Vec<Judged>,
     #[serde(default)]
-    cause: Option<Found>,
+    cause: Option<Explanation>,
 }
 
 /// What an earlier `verdict.json` knows beyond the records.
@@ -101,7 +101,7 @@ pub struct Earlier {
     pub failures: Vec<Failure>,
     /// Predicted constants, to judge records again without the scenes' exact solutions.
     pub foreseen: Vec<ForeseenConstant>,
-    pub cause: Option<Found>,
+    pub cause: Option<Explanation>,
 }
 
 /// Failed cases, sorted by key.
@@ -121,7 +121,7 @@ pub fn document(
     verdicts: &[Verdict],
     records: &[CaseRecord],
     baseline: Option<&Comparison>,
-    cause: Option<&Found>,
+    cause: Option<&Explanation>,
 ) -> serde_json::Value {
     let document = Document { provenance, verdicts, failures: failures(records), baseline, cause };
     serde_json::json!(document)
@@ -137,7 +137,7 @@ pub fn write_json(
     verdicts: &[Verdict],
     records: &[CaseRecord],
     baseline: Option<&Comparison>,
-    cause: Option<&Found>,
+    cause: Option<&Explanation>,
 ) -> Result<(), DocumentError> {
     let document = document(provenance, verdicts, records, baseline, cause);
     let mut bytes = serde_json::to_vec_pretty(&document)

@@ -21,7 +21,7 @@ pub use baseline::{
 };
 pub use constants::{Foreseen, ForeseenConstant, LeadingLine, LeadingPoint};
 pub use document::{
-    Cause, DocumentError, Earlier, Failure, Found, document, failures, read_earlier,
+    Cause, DocumentError, Earlier, Explanation, Failure, document, failures, read_earlier,
     restore_reasons, write_json,
 };
 pub use fitted_constant::FittedConstant;

@@ -9,7 +9,7 @@ use crate::{Group, SceneSummary};
 use files::{counted, quoted};
 use judge::fit::{Direction, Point};
 use judge::record::{CaseRecord, Status, V_MAX, is_by_state};
-use judge::verdict::{Decision, Found, JudgedPoint, Verdict, cell_texts, exit_code};
+use judge::verdict::{Decision, Explanation, JudgedPoint, Verdict, cell_texts, exit_code};
 use serde_json::Value;
 
 /// A scene with its pictures.
@@ -36,7 +36,7 @@ pub(crate) struct Report<'a> {
     pub(crate) verdicts: &'a [Verdict],
     pub(crate) provenance: &'a Value,
     /// Why a solver under test is wrong.
-    pub(crate) cause: Option<&'a Found>,
+    pub(crate) cause: Option<&'a Explanation>,
 }
 
 pub(crate) fn document(report: Report<'_>) -> Document {

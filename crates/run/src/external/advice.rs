@@ -2,7 +2,7 @@
 
 use super::cause::cause_of;
 use fem::space::Element;
-use judge::verdict::{Cause, Decision, Found, Variable, Verdict};
+use judge::verdict::{Cause, Decision, Explanation, Variable, Verdict};
 use scene::setup::{MeshData, Scheme, Setup};
 use scene::{Body, Data, LoadForm, Scene, SceneError};
 
@@ -41,7 +41,7 @@ pub fn look_for_cause(
     setup: &Setup,
     mut runs: Vec<(u32, u32)>,
     scheme: &dyn Scheme,
-) -> Option<Found> {
+) -> Option<Explanation> {
     let doubted = verdicts.iter().any(in_doubt);
     // Some mistakes in assembling loads keep every order.
     if !doubted && !matches!(setup.body.data, Data::Exact { form: LoadForm::Strong, .. }) {
@@ -72,13 +72,13 @@ pub fn look_for_cause(
 
 /// Prefixes the reasons of open or failed verdicts on an external solver with the cause that was found, or with what to
 /// check in the solver.
-pub fn solver_first(verdicts: &mut [Verdict], setup: &Setup, found: Option<&Found>) {
+pub fn solver_first(verdicts: &mut [Verdict], setup: &Setup, found: Option<&Explanation>) {
     for verdict in verdicts.iter_mut().filter(|verdict| in_doubt(verdict)) {
         verdict.reason = match found {
-            Some(Found { cause: Cause::Nothing, says, .. }) => {
+            Some(Explanation { cause: Cause::Nothing, says, .. }) => {
                 format!("{says}; {}", verdict.reason)
             }
-            Some(Found { fits: true, says, .. }) => {
+            Some(Explanation { fits: true, says, .. }) => {
                 format!("look at the solver first: {says}; {}", verdict.reason)
             }
             _ => {

@@ -15,7 +15,7 @@ use vhi::law::{Convolution, FourthOrder, HistoryKernel, Isotropic, Projection, T
 
 use super::left::Left;
 use super::touch::of_contact;
-use judge::verdict::{Cause, Found};
+use judge::verdict::{Cause, Explanation};
 
 /// Residuals below this share of the largest force are tolerances of solvers.
 const SOUND: f64 = 1e-5;
@@ -35,7 +35,7 @@ pub fn cause_of(
     scheme: &dyn Scheme,
     data: &MeshData,
     steps: u32,
-) -> Result<Found, CaseError> {
+) -> Result<Explanation, CaseError> {
     let (space, model) = (&*data.space, &setup.model);
     let (d, dofs) = (space.mesh.dimension, space.dofs());
     let mut pressed = vec![false; space.nodes.vertex.len()];
@@ -96,7 +96,7 @@ pub fn cause_of(
     }
     if left.u.iter().flatten().all(|u| *u == 0.0) {
         let says = "every displacement is zero".to_owned();
-        return Ok(Found {
+        return Ok(Explanation {
             cause: Cause::Levels,
             says,
             numbers: "nothing was solved".into(),
@@ -118,7 +118,7 @@ pub fn cause_of(
 type Offer<'o> = dyn FnMut(Cause, bool, &[Vec<Vec<f64>>], &dyn Fn(&[f64]) -> String) + 'o;
 
 /// The mistake that leaves what the answer leaves, of those in rows without contact.
-fn of_body(left: &Left<'_>, off: &[f64]) -> Found {
+fn of_body(left: &Left<'_>, off: &[f64]) -> Explanation {
     let residual = left.long(&left.balance);
     let size = norm(&residual);
     let mut best: Option<(f64, f64, Cause, String)> = None;
@@ -155,7 +155,7 @@ fn of_body(left: &Left<'_>, off: &[f64]) -> Found {
     }
     if let Some((_, rest, cause, says)) = best {
         let numbers = format!("this mistake leaves {rest:.0e} of it unexplained");
-        return Found { cause, says, numbers, fits: true };
+        return Explanation { cause, says, numbers, fits: true };
     }
     let within = |factor: f64, term: &[Vec<f64>]| {
         off.iter().zip(term).all(|(off, term)| *off <= factor * largest(term) + left.sound)
@@ -182,7 +182,7 @@ fn of_body(left: &Left<'_>, off: &[f64]) -> Found {
         () => (Cause::Loads, "the loads: no tensor and no sum over the past leaves this"),
     };
     let numbers = "no mistake that was tried leaves just this".to_owned();
-    Found { cause, says: says.to_owned(), numbers, fits: false }
+    Explanation { cause, says: says.to_owned(), numbers, fits: false }
 }
 
 /// Kernel, grid, n and the scene's own weight of level j.

@@ -25,7 +25,7 @@ use fem::contact::{
     CaseError, CaseInfo, Discretization, Histories, Model, Observer, StepView, strain_norm,
 };
 use files::{remove_if_there, shortened};
-pub use judge::verdict::{Cause, Found};
+pub use judge::verdict::{Cause, Explanation};
 use scene::setup::{MeshData, Scheme, Setup};
 use vhi::history::TimeGrid;
 use vhi::law::Projection;

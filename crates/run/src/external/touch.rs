@@ -7,7 +7,7 @@ use fem::contact::{BoundaryRule, TracePoint};
 use vhi::law::{NoPotential, Potential, Scaled, graph_distance};
 
 use super::left::Left;
-use judge::verdict::{Cause, Found};
+use judge::verdict::{Cause, Explanation};
 
 /// Directions and bounds that agree to this agree.
 const SMALL: f64 = 1e-5;
@@ -133,7 +133,7 @@ fn touches(left: &Left<'_>) -> Vec<Touch> {
 }
 
 /// What is wrong on Γ3, where all else balances.
-pub(super) fn of_contact(left: &Left<'_>, balanced: &str) -> Found {
+pub(super) fn of_contact(left: &Left<'_>, balanced: &str) -> Explanation {
     let touches = touches(left);
     let sound = left.sound;
     let by = |of: &dyn Fn(&Touch) -> f64| {
@@ -161,7 +161,7 @@ pub(super) fn of_contact(left: &Left<'_>, balanced: &str) -> Found {
             worst.p,
             worst.law.subdifferential(worst.u - worst.shift).0
         );
-        return Found { cause: Cause::Contact, says, numbers: numbers(worst, what), fits };
+        return Explanation { cause: Cause::Contact, says, numbers: numbers(worst, what), fits };
     }
     if let Some(worst) = by(&|touch| touch.off_friction(touch.bounds[0], touch.slip)) {
         let (says, fits) = tangential(&touches, sound, left.setup.model.friction.is_some());
@@ -171,16 +171,16 @@ pub(super) fn of_contact(left: &Left<'_>, balanced: &str) -> Found {
             worst.bounds[0],
             worst.dragging()
         );
-        return Found { cause: Cause::Friction, says, numbers: numbers(worst, what), fits };
+        return Explanation { cause: Cause::Friction, says, numbers: numbers(worst, what), fits };
     }
     if let Some(worst) = by(&|touch| touch.weight * (touch.given - touch.p).abs()) {
         let what =
             format!("{:.4e} is handed over, and {:.4e} balances the stress", worst.given, worst.p);
         let (says, fits) = handed(&touches, sound);
-        return Found { cause: Cause::Pressures, says, numbers: numbers(worst, what), fits };
+        return Explanation { cause: Cause::Pressures, says, numbers: numbers(worst, what), fits };
     }
     let says = "the displacements solve the discrete equations of the scene".to_owned();
-    Found { cause: Cause::Nothing, says, numbers: balanced.to_owned(), fits: true }
+    Explanation { cause: Cause::Nothing, says, numbers: balanced.to_owned(), fits: true }
 }
 
 /// The first mistake of those offered that all points of Γ3 fit.
