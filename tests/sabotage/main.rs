@@ -34,9 +34,13 @@ use fem::norms::step_errors;
 use matrix::{Effect, Gate, Line, Reference};
 use rayon::prelude::*;
 use scene::setup::Setup;
+use std::sync::LazyLock;
 
 /// Asks for the document to be written.
 const WRITE: &str = "SABOTAGE_WRITE";
+
+/// The sound program on the whole suite.
+static WHOLE: LazyLock<Reference> = LazyLock::new(|| Reference::new(suite::trials()));
 
 fn defect(name: &str) -> Defect {
     let found = catalogue::all().into_iter().find(|defect| defect.name == name);
@@ -53,7 +57,7 @@ fn report(line: &Line) -> String {
 #[ignore = "the whole catalogue takes minutes: make sabotage"]
 fn every_defect_against_every_gate() {
     let start = std::time::Instant::now();
-    let reference = Reference::new(suite::trials());
+    let reference = &*WHOLE;
     let sound = reference.line(&Defect::SOUND);
     assert!(!sound.is_caught(), "the sound program is objected to: {}", report(&sound));
     assert_eq!(sound.effect, Effect::Nothing, "{:?} {:?}", sound.shift, sound.ratio);
@@ -209,7 +213,7 @@ fn the_seams_are_sound() {
 #[test]
 #[ignore = "a diagnosis of every defect of the solver takes minutes: make sabotage"]
 fn diagnosis_names_the_term() {
-    let reference = Reference::new(suite::trials());
+    let reference = &*WHOLE;
     let hook = std::panic::take_hook();
     std::panic::set_hook(Box::new(|_| ()));
     let asked = |defect: &Defect| {
@@ -218,7 +222,7 @@ fn diagnosis_names_the_term() {
     let defects: Vec<Defect> = catalogue::all().into_iter().filter(asked).collect();
     let found: Vec<_> = defects
         .par_iter()
-        .filter_map(|defect| Some((defect, diagnosis::diagnosed(&reference, defect)?)))
+        .filter_map(|defect| Some((defect, diagnosis::diagnosed(reference, defect)?)))
         .collect();
     std::panic::set_hook(hook);
     for (defect, found) in &found {

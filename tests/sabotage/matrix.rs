@@ -177,12 +177,13 @@ impl Reference {
         };
         let mut found = Found::default();
         for (trial, sound) in self.trials.iter().zip(&self.outcomes) {
-            let outcome = match defect.term {
+            let of_records =
+                matches!(defect.term, Term::Judging | Term::Record | Term::Answer | Term::Report);
+            let outcome = if !of_records && defect.is_in(trial.is_body()) {
+                trial.run(defect)
+            } else {
                 // The solver is sound: only what is made of its records differs.
-                Term::Judging | Term::Record | Term::Answer | Term::Report => {
-                    trial.judge(defect, through(&defect.records, sound.records.clone()))
-                }
-                _ => trial.run(defect),
+                trial.judge(defect, through(&defect.records, sound.records.clone()))
             };
             found.add(trial, &outcome, sound);
             compare(&mut line, &outcome, sound);

@@ -198,6 +198,11 @@ impl Trial {
         ComparedRun { scene, hash: String::new(), planned, own_grids: true }
     }
 
+    /// Whether it is a body, not an abstract problem.
+    pub fn is_body(&self) -> bool {
+        matches!(self.body, Body::Contact { .. })
+    }
+
     /// Runs and judges the trial with a defect.
     pub fn run(&self, defect: &Defect) -> Outcome {
         let run = AssertUnwindSafe(|| match &self.body {

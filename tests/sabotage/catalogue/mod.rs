@@ -205,6 +205,17 @@ impl Defect {
         setup
     }
 
+    /// Whether a run of a body, or of an abstract problem, can be another one than that of the sound program.
+    pub fn is_in(&self, body: bool) -> bool {
+        let of_bodies = self.program.is_some()
+            || self.measured.is_some()
+            || self.load.is_some()
+            || self.moments.is_some()
+            || self.term != Term::Abstract;
+        let of_others = self.abstract_program.is_some() || self.finite_load.is_some();
+        if body { of_bodies } else { of_others }
+    }
+
     /// Whether a solver, its model or its load is defective, and not what is made of its results.
     pub fn is_of_solver(&self) -> bool {
         !matches!(
