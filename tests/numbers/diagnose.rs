@@ -8,6 +8,7 @@ use crate::wrong::{nothing_at_zero, scheme, see_kernels};
 use fem::contact::{CaseError, CaseInfo, Observer};
 use judge::claim::Claim;
 use judge::verdict::Decision;
+use rayon::prelude::*;
 use scene::setup::{MeshData, Setup, YieldFormula};
 use scene::{Data, Extension, Registry, Scene};
 use studies::diagnose::{Finding, Outcome, Suspect, culprit, diagnose, examine, sentence};
@@ -62,22 +63,22 @@ where
 fn nothing_is_said(among: &dyn Fn(&str) -> bool, at_least: usize) {
     let folder = crate::shipped::path("affine").parent().expect("a folder").to_owned();
     let registry = Registry::open(&folder).unwrap_or_else(|error| panic!("{error}"));
-    let mut diagnosed = 0;
-    for name in registry.names() {
+    let of = |name: &str| {
         let scene = shipped_scene(name);
         let exact = scene.as_contact().is_some_and(|b| matches!(b.data, Data::Exact { .. }));
         let is_taken = scene.without(&[Extension::Friction], "", "").is_ok();
-        if !exact || !scene.judge || !is_taken || !among(name) {
-            continue;
-        }
-        let (outcomes, finding) = examine(&scene, &|setup| setup, false);
+        (exact && scene.judge && is_taken && among(name)).then_some(scene)
+    };
+    let scenes: Vec<Scene> = registry.names().filter_map(of).collect();
+    scenes.par_iter().for_each(|scene| {
+        let name = &scene.name;
+        let (outcomes, finding) = examine(scene, &|setup| setup, false);
         show(&format!("{name}: sound"), &outcomes);
         assert_eq!(finding, Finding::NothingFails, "{name}");
         let passed = outcomes.iter().filter(|o| o.decision == Decision::Pass).count();
         assert!(2 * passed > outcomes.len(), "{name}: {passed} of {}", outcomes.len());
-        diagnosed += 1;
-    }
-    assert!(diagnosed >= at_least, "{diagnosed} scenes");
+    });
+    assert!(scenes.len() >= at_least, "{} scenes", scenes.len());
 }
 
 #[test]
@@ -95,8 +96,9 @@ fn long_quadratic_elements_and_singular_kernels_are_diagnosed() {
 #[test]
 #[ignore = "a minute: make test-long"]
 fn long_a_sound_solver_is_not_accused_on_any_scene() {
-    // It is `pure-box` on finer meshes.
-    nothing_is_said(&|name| name != "pure-box-fine", 10);
+    // `pure-box` on finer meshes, and three whose kind is there with a tenth of the work: `frustum-affine`, `symmetry`, `broken-gap`.
+    let others = ["pure-box-fine", "frustum", "symmetry-box", "pure-concave-gap"];
+    nothing_is_said(&|name| !others.contains(&name), 80);
 }
 
 /// The verdicts of the scene decide whether there is something to diagnose; the sentence says what removal restores.
