@@ -218,28 +218,35 @@ impl Posterior {
     }
 
     fn answer_of(&self, mixture: &Mixture, claim: &Claim) -> Answer {
-        let agree = self.two_slopes_agree(claim);
-        let probability = probability(mixture, claim);
         let too_low = mixture.below(claim.order - claim.clear_miss());
-        let line = self.scatters_about(claim);
-        let settled =
-            self.turns_about(claim) || self.falls_about(claim) || self.arrives_at(claim.order);
-        let near = if settled { NEAR_LINE } else { 0.5 };
-        let centred = mixture.below(claim.order - near * claim.reach()) < 0.5;
-        let too_high =
-            1.0 - self.wide.as_ref().unwrap_or(mixture).below(claim.order + claim.clear_miss());
-        let without_floor = self.refuted_beside_floors(claim);
-        let hidden =
+        let hidden = || {
             self.trend.before_floor.is_some_and(|slope| slope >= claim.order - claim.reach())
-                || self.may_end_in_a_floor(claim);
-        if too_low > REFUTED && without_floor && !self.rises_to(claim.order) && !hidden {
-            Answer::TooLow
-        } else if probability > self.needed(claim)
-            && (too_low < 0.5 || centred && (probability > CERTAIN || line))
-            && (agree && self.holds_against_a_reference(claim) || claim.at_least)
+                || self.may_end_in_a_floor(claim)
+        };
+        if too_low > REFUTED
+            && !self.rises_to(claim.order)
+            && !hidden()
+            && self.refuted_beside_floors(claim)
         {
-            Answer::Confirmed
-        } else if too_high > REFUTED {
+            return Answer::TooLow;
+        }
+        let probability = probability(mixture, claim);
+        let line = self.scatters_about(claim);
+        let centred = || {
+            let settled =
+                self.turns_about(claim) || self.falls_about(claim) || self.arrives_at(claim.order);
+            let near = if settled { NEAR_LINE } else { 0.5 };
+            mixture.below(claim.order - near * claim.reach()) < 0.5
+        };
+        let agree = self.two_slopes_agree(claim) && self.holds_against_a_reference(claim);
+        if probability > self.needed(claim)
+            && (agree || claim.at_least)
+            && (too_low < 0.5 || (probability > CERTAIN || line) && centred())
+        {
+            return Answer::Confirmed;
+        }
+        let wide = self.wide.as_ref().unwrap_or(mixture);
+        if 1.0 - wide.below(claim.order + claim.clear_miss()) > REFUTED {
             Answer::TooHigh
         } else {
             Answer::Open
