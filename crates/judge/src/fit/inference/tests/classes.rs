@@ -293,3 +293,11 @@ fn slopes_that_fall_ever_faster_about_the_order_are_those_of_noise() {
     assert_eq!(decided([3.10, 2.97, 2.91], 3.0), Decision::Unresolved);
     assert_eq!(decided([3.07, 3.02, 2.83], 3.0), Decision::Unresolved);
 }
+
+/// Slopes of h^s + b h² fall by a little more where h² outweighs h^s. Of 1,000 tables an order ¼ too high passes for 3.3 % if
+/// that is taken for noise; a deviation is 0.3 % of 1.
+#[test]
+fn slopes_of_corners_at_four_levels_are_not_taken_for_noise() {
+    let found = cell(Kind::Corner, 4, 500_000..501_000, false);
+    assert!(found.wrong[0] <= 2.0, "{}", found.wrong[0]);
+}
