@@ -1,6 +1,5 @@
 //! Mixtures of normal distributions of an order.
 
-use std::collections::BTreeMap;
 use std::f64::consts::{FRAC_1_SQRT_2, SQRT_2};
 use std::sync::LazyLock;
 
@@ -46,39 +45,35 @@ const NEGLIGIBLE: f64 = 3e-4;
 /// Accuracy of quantiles: a tenth of what is printed.
 const QUANTILE: f64 = 1e-5;
 
-/// Widths of the cells of deviations from `LEAST_WIDTH` on.
-static WIDTHS: LazyLock<[f64; 64]> = LazyLock::new(|| {
+/// Upper ends of the cells of deviations, and the widths of their cells of means.
+static CELLS: LazyLock<[[f64; 2]; 64]> = LazyLock::new(|| {
     let first = (LEAST_WIDTH.ln() / RATIO.ln()).floor();
-    std::array::from_fn(|i| (SHARE * RATIO.powf(first + i as f64)).max(LEAST_WIDTH))
+    let from = |i: usize| RATIO.powf(first + i as f64);
+    std::array::from_fn(|i| [from(i + 1), (SHARE * from(i)).max(LEAST_WIDTH)])
 });
 
 /// Cell of a part by its deviation, and by its mean in units of the cell width.
-fn cell(part: &Part) -> (usize, i64) {
-    let first = (LEAST_WIDTH.ln() / RATIO.ln()).floor();
-    let size = (part.deviation.max(LEAST_WIDTH).ln() / RATIO.ln() - first) as usize;
-    let size = size.min(WIDTHS.len() - 1);
-    let place = part.mean / WIDTHS[size];
-    // Down to the next whole number.
-    (size, place as i64 - i64::from(place < 0.0))
+fn cell(part: &Part) -> (u8, i32) {
+    let size = CELLS.partition_point(|[end, _]| *end <= part.deviation).min(CELLS.len() - 1);
+    (size as u8, (part.mean / CELLS[size][1]).floor() as i32)
 }
 
 impl Mixture {
     /// Mixture of the parts that `serve`, close ones merged.
     pub(super) fn of(parts: &[Part], serves: impl Fn(&Part) -> bool) -> Self {
-        let mut weight = 0.0;
-        let mut cells: BTreeMap<(usize, i64), [f64; 3]> = BTreeMap::new();
-        for part in parts.iter().filter(|part| serves(part)) {
-            weight += part.weight;
-            let sums = cells.entry(cell(part)).or_default();
-            sums[0] += part.weight;
-            sums[1] += part.weight * part.mean;
-            sums[2] += part.weight * (part.mean * part.mean + part.deviation * part.deviation);
-        }
-        let moments = |[weight, first, second]: [f64; 3]| {
-            let mean = first / weight;
+        let mut serving: Vec<_> =
+            parts.iter().filter(|part| serves(part)).map(|part| (cell(part), part)).collect();
+        serving.sort_by_key(|(cell, _)| *cell);
+        let weight = serving.iter().map(|(_, part)| part.weight).sum();
+        let merged = |cell: &[((u8, i32), &Part)]| {
+            let sum = |of: fn(&Part) -> f64| cell.iter().map(|(_, part)| of(part)).sum::<f64>();
+            let weight = sum(|part| part.weight);
+            let mean = sum(|part| part.weight * part.mean) / weight;
+            let second = sum(|part| part.weight * (part.mean.powi(2) + part.deviation.powi(2)));
             [weight, mean, (second / weight - mean * mean).max(LEAST_VARIANCE).sqrt()]
         };
-        let mut parts: Vec<[f64; 3]> = cells.into_values().map(moments).collect();
+        let mut parts: Vec<[f64; 3]> =
+            serving.chunk_by(|(a, _), (b, _)| a == b).map(merged).collect();
         parts.sort_by(|a, b| b[0].total_cmp(&a[0]));
         let mut left = weight;
         while let Some([least, ..]) =
