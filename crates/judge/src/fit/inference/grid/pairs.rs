@@ -163,21 +163,20 @@ impl PairSums {
         })
     }
 
-    /// Log evidence of all readings of a pair.
+    /// Log evidence of all readings of a pair: one logarithm for all of them.
     fn evidence(&self, pair: &Pair, noises: &[Noise]) -> f64 {
-        let mut evidence = f64::NEG_INFINITY;
+        let mut readings = Vec::with_capacity(NEXT.len() * NEXT.len() * noises.len());
         for (r, r_weight) in NEXT {
             for (s, s_weight) in NEXT {
-                let (next, weight) = (self.next(pair, [r, s]), (r_weight * s_weight).ln());
-                for noise in noises {
-                    let log = self.reading(pair, &next, noise) + weight;
-                    if log > evidence - OUT_OF_REACH {
-                        evidence = log_sum(evidence, log);
-                    }
-                }
+                let (next, weight) = (self.next(pair, [r, s]), r_weight * s_weight);
+                readings
+                    .extend(noises.iter().map(|noise| self.reading(pair, &next, noise, weight)));
             }
         }
-        evidence
+        let most = readings.iter().map(|reading| reading.log).fold(f64::NEG_INFINITY, f64::max);
+        let near = readings.iter().filter(|reading| reading.log > most - OUT_OF_REACH);
+        let sum: f64 = near.map(|reading| (reading.log - most).exp() * reading.factor).sum();
+        pair.log + most + sum.ln()
     }
 
     /// The columns of two next terms, orthogonal to the two leading terms.
@@ -199,15 +198,19 @@ impl PairSums {
         (self.points - pair.explained - explained, pair.determinant * determinant)
     }
 
-    fn reading(&self, pair: &Pair, next: &Next, noise: &Noise) -> f64 {
+    /// Four parameters are integrated: |M| of M = gram / s² + prior is s⁻⁸ times the determinants.
+    fn reading(&self, pair: &Pair, next: &Next, noise: &Noise, weight: f64) -> Reading {
         let (left, determinants) = self.left(pair, next, noise.variance);
-        if determinants > 0.0 {
-            // Four parameters are integrated: |M| of M = gram / s² + prior is s⁻⁸ times the determinants.
-            noise.log + pair.log - 0.5 * (left * noise.precision + determinants.ln())
-        } else {
-            f64::NEG_INFINITY
-        }
+        let there = determinants > 0.0;
+        let log = if there { noise.log - 0.5 * left * noise.precision } else { f64::NEG_INFINITY };
+        Reading { log, factor: weight / determinants.sqrt() }
     }
+}
+
+/// One reading of a pair: its evidence is the factor times exp(log).
+struct Reading {
+    log: f64,
+    factor: f64,
 }
 
 struct Noise {
@@ -302,7 +305,9 @@ mod tests {
                     - points.len() as f64 * noise.ln()
                     - 0.5 * (left + log_determinant)
                     - (bends[0] * bends[1] * sizes[0] * sizes[1]).ln();
-                let found = model.reading(&pair, &next, &model.noise((s, share), 0.0));
+                let Reading { log, factor } =
+                    model.reading(&pair, &next, &model.noise((s, share), 0.0), 1.0);
+                let found = pair.log + log + factor.ln();
                 // Rounding of nine over the square of the noise.
                 assert!((found - expected).abs() < 1e-6, "{exponent} {s}: {found} {expected}");
             }
