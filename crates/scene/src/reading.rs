@@ -1,6 +1,7 @@
 //! One reading of a scene file: the text, its positions, its numbers, and the formulas compiled so far.
 
 use super::data::AXES;
+use super::keys::example;
 use super::source::{Result, SceneError, Source};
 use super::validated::Hypothesis;
 use formula::{EvaluationPoint, Graph, Node, Scope, Variable};
@@ -398,14 +399,14 @@ impl Reading<'_> {
         Ok(())
     }
 
-    /// Refuses keys of a table, if it is there, other than the known ones; spaces separate them.
-    pub(super) fn keys(&self, table: &str, known: &str) -> Result<()> {
+    /// Refuses keys of a table, if it is there, other than the known ones.
+    pub(super) fn keys(&self, table: &str, known: &[&str]) -> Result<()> {
         let given: BTreeMap<String, IgnoredAny> = match table {
             "" => self.table.keys().map(|key| (key.to_string(), IgnoredAny)).collect(),
             _ => self.optional(table)?.unwrap_or_default(),
         };
-        match given.keys().find(|key| !known.split(' ').any(|name| name == *key)) {
-            Some(key) => Err(unknown_key(self, table, key, &known.replace(' ', ", "))),
+        match given.keys().find(|key| !known.contains(&key.as_str())) {
+            Some(key) => Err(unknown_key(self, table, key, &known.join(", "))),
             None => Ok(()),
         }
     }
@@ -413,7 +414,6 @@ impl Reading<'_> {
     /// The kind of a table, one of those known. Each comes with its keys, separated by spaces; keys of other kinds are
     /// refused.
     pub(super) fn kind(&self, table: &str, kinds: Kinds) -> Result<&'static str> {
-        self.keys(table, &of_any(kinds))?;
         let known: Vec<_> = kinds.iter().map(|(kind, _)| (*kind, *kind)).collect();
         let kind = self.choice(&join(table, "kind"), &known)?;
         self.only(table, ("kind", kind), kinds)?;
@@ -447,17 +447,6 @@ impl Reading<'_> {
 
 /// The kinds of a table with their keys.
 pub(super) type Kinds<'a> = &'a [(&'static str, &'static str)];
-
-/// The keys that a table of some kind may have.
-pub(super) fn of_any(kinds: Kinds) -> String {
-    let mut all = vec!["kind"];
-    for key in kinds.iter().flat_map(|(_, keys)| keys.split_whitespace()) {
-        if !all.contains(&key) {
-            all.push(key);
-        }
-    }
-    all.join(" ")
-}
 
 /// A formula as text; a bare TOML number is a formula too.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
@@ -623,73 +612,6 @@ pub(super) fn heading(part: &str) -> String {
         Some((list, index)) if index.parse::<usize>().is_ok() => format!("[[{list}]]"),
         _ => format!("[{part}]"),
     }
-}
-
-// Examples of missing parts and keys, for messages.
-
-/// A line to add, by dotted name without list indices; keys of tables that may be in several places by the last two names.
-const LINES: [(&str, &str); 52] = [
-    ("scene", "[scene] holds name, question, dimension"),
-    ("scene.name", "name = \"punch\""),
-    ("scene.question", "question = \"What this scene decides, in one sentence.\""),
-    ("scene.dimension", "dimension = 2"),
-    ("domain", "[domain] holds shape, size, and the sides: clamped, symmetry, traction, contact"),
-    ("domain.shape", "shape = \"rectangle\""),
-    ("domain.size", "size = [1.0, 1.0]"),
-    ("domain.vertices", "vertices = [[0.0, 0.0], [1.0, 0.0], [0.5, 1.0]]"),
-    ("domain.file", "file = \"block.msh\""),
-    ("domain.mesh.kind", "kind = \"structured\""),
-    ("mesh.amplitude", "amplitude = 0.2"),
-    ("mesh.seed", "seed = 1"),
-    ("mesh.corner", "corner = [0.0, 0.0]"),
-    ("mesh.exponent", "exponent = 2.0"),
-    ("time", "[time] holds horizon"),
-    ("time.horizon", "horizon = 1.0"),
-    ("time.grid.kind", "kind = \"uniform\""),
-    ("grid.exponent", "exponent = 2.0"),
-    ("grid.seed", "seed = 1"),
-    ("rule.exponent", "exponent = 0.5"),
-    ("material", "[material] holds lambda and mu_L, or E and nu"),
-    ("kernel.amplitude", "amplitude = 0.5"),
-    ("kernel.time", "time = 0.5"),
-    ("kernel.exponent", "exponent = 0.5"),
-    ("material.memory.kernel", "kernel = \"-exp(-t)\""),
-    ("material.memory.lambda", "lambda = 0.25"),
-    ("material.memory.mu", "mu = 0.25"),
-    ("material.projection.mu", "mu = 1.0"),
-    ("material.projection.kappa", "kappa = \"0.10 + 0.05*zeta\""),
-    ("law.kind", "kind = \"piecewise-linear\""),
-    ("law.stiffness", "stiffness = 2.0"),
-    ("law.length", "length = 0.05"),
-    ("law.coefficient", "coefficient = 2.0"),
-    ("law.exponent", "exponent = 1.5"),
-    ("law.until", "until = 0.1"),
-    ("law.points", "points = [[0.0, 0.0], [0.04, 0.08], [0.10, 0.05]]"),
-    ("law.slope_before", "slope_before = 0.0"),
-    ("law.slope_after", "slope_after = 0.0"),
-    ("bound.points", "points = [[0.0, 0.3], [0.1, 0.28]]"),
-    ("bound.coefficient", "coefficient = \"0.3\""),
-    ("loads.body", "body = [\"0\", \"-3*t*x\"]"),
-    ("exact.u", "u = [\"0.1*sin(t)*(1-y)\", \"0\"]"),
-    ("sweep.n", "n = [8, 16, 32]"),
-    ("sweep.steps", "steps = [8, 16, 32]"),
-    ("sweep.reference.n", "n = 128"),
-    ("sweep.reference.steps", "steps = 64"),
-    ("predicts", "write [[predicts]], with double brackets: there may be several"),
-    ("predicts.norm", "norm = \"V_max\""),
-    ("predicts.variable", "variable = \"h\""),
-    ("predicts.order", "order = 1.0"),
-    ("predicts.why", "why = \"(5.26)\""),
-    ("domain.clamped", "clamped = [\"top\"]"),
-];
-
-/// The line to add for a dotted name such as `predicts.0.order`.
-pub(super) fn example(name: &str) -> Option<&'static str> {
-    let is_index = |part: &&str| part.parse::<usize>().is_err();
-    let plain = name.split('.').filter(is_index).collect::<Vec<_>>().join(".");
-    let ends = plain.rmatch_indices('.').nth(1).map_or("", |(dot, _)| &plain[dot + 1..]);
-    let named = |(known, _): &&(&str, &str)| *known == plain || *known == ends;
-    LINES.iter().find(named).map(|(_, line)| *line)
 }
 
 // Suggestions for misspelt names.

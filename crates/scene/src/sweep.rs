@@ -1,10 +1,11 @@
 //! `[sweep]`: the grid of cases, and the finer reference run.
 
 use super::domain::{Domain, Shape};
+use super::keys::SceneKind;
 use super::reading::{Reading, join};
 use super::source::{Result, SceneError};
 use super::time::{SMALLER_EXPONENT, Time};
-use super::validated::{Scene, SceneKind, name_in};
+use super::validated::{Scene, name_in};
 use fem::mesh::Family as MeshFamily;
 use fem::norms::ContactState;
 use files::counted;

@@ -4,15 +4,16 @@ use super::abstract_scene::{AbstractScene, MOST};
 use super::contact::{self, Contact};
 use super::data::Data;
 use super::definitions::parameters;
-use super::domain::{Domain, MESHES, Side, with_mesh};
-use super::friction::{BOUNDS, Friction};
-use super::law::{LAWS, Law};
-use super::material::{Material, TENSORS};
-use super::memory::{KERNELS, needs_product_integration, needs_repeated_rule};
-use super::reading::{Kinds, Reading, of_any, placed, syntax};
+use super::domain::{Domain, Side, with_mesh};
+use super::friction::Friction;
+use super::keys::{Part, SceneKind};
+use super::law::Law;
+use super::material::Material;
+use super::memory::{needs_product_integration, needs_repeated_rule};
+use super::reading::{Reading, placed, syntax};
 use super::source::{Result, SceneError, Source};
 use super::sweep::{Prediction, Sweep, serves, states_are_known};
-use super::time::{GRIDS, Time, TimeRule};
+use super::time::Time;
 use crate::ContactQuadrature;
 use fem::space::Element;
 use formula::{Graph, Variable};
@@ -311,14 +312,6 @@ pub(super) fn name_in<T: PartialEq>(names: &[(&'static str, T)], value: T) -> &'
     names.iter().find(|(_, known)| *known == value).map_or("", |(name, _)| name)
 }
 
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum SceneKind {
-    /// Problem 12: a body in contact.
-    Contact,
-    /// Problem 1 in ℝ^m.
-    Abstract,
-}
-
 impl SceneKind {
     /// The kind named in a file; by default contact.
     pub(crate) fn validate(reading: &Reading) -> Result<SceneKind> {
@@ -532,99 +525,24 @@ impl serde::Serialize for Change {
     }
 }
 
-// The keys of all tables of a scene file. Unknown ones are refused before values are read: a misspelt key is why
-// another is missing.
-
-/// Tables with their keys; `*` is each entry of a list.
-type Tables = &'static [(&'static str, &'static str)];
-
-const OF_ALL: Tables = &[
-    ("scene", "name question kind dimension judge expect long window_n window_steps violates"),
-    ("time", "horizon grid rule"),
-    (
-        "predicts.*",
-        "norm variable order order_k at_least exact tends_to_zero constant constant_within constant_why why window_n window_steps",
-    ),
-];
-
-const OF_BODIES: Tables = &[
-    ("", "scene domain time material contact discretization loads exact sweep predicts"),
-    (
-        "domain",
-        "shape size vertices sides points triangles file clamped symmetry traction contact rest mesh",
-    ),
-    ("material", "lambda mu_L E nu elasticity memory projection region"),
-    ("material.memory", MEMORY),
-    ("material.projection", "mu kappa"),
-    ("material.region.*", "name where physical lambda mu_L E nu elasticity memory"),
-    ("material.region.*.memory", MEMORY),
-    ("material.memory.terms.*", MEMORY_TERM),
-    ("material.region.*.memory.terms.*", MEMORY_TERM),
-    ("contact", "sides bilateral gap shift law quadrature friction"),
-    ("contact.friction", "bound"),
-    ("discretization", "element"),
-    ("loads", "body traction"),
-    ("exact", "u multiplier selection friction interpolated form parameters define"),
-    ("sweep", "n steps pairs reference norms by_state"),
-    ("sweep.reference", "n steps"),
-];
-
-const MEMORY: &str = "kernel lambda mu bulk shear singular terms";
-const MEMORY_TERM: &str = "kernel inner lambda mu";
-
-const OF_ABSTRACT: Tables = &[
-    ("", "scene time space operator history phi trace exact sweep predicts"),
-    ("space", "inner_product"),
-    ("operator", "matrix nonlinear"),
-    ("phi", "force"),
-    ("history", "kernels R a_S start"),
-    ("history.kernels.*", "q singular matrix inner"),
-    ("trace.*", "functional weight law upper lower"),
-    ("exact", "u multiplier selection parameters define"),
-    ("sweep", "steps"),
-];
-
-/// Tables whose keys depend on their kind.
-const WITH_KINDS: &[(&str, Kinds)] = &[
-    ("time.grid", &GRIDS),
-    ("domain.mesh", &MESHES),
-    ("material.elasticity", &TENSORS),
-    ("material.memory.kernel", &KERNELS),
-    ("material.memory.bulk", &KERNELS),
-    ("material.memory.shear", &KERNELS),
-    ("material.memory.terms.*.kernel", &KERNELS),
-    ("material.memory.terms.*.inner", &KERNELS),
-    ("material.region.*.elasticity", &TENSORS),
-    ("material.region.*.memory.kernel", &KERNELS),
-    ("material.region.*.memory.bulk", &KERNELS),
-    ("material.region.*.memory.shear", &KERNELS),
-    ("material.region.*.memory.terms.*.kernel", &KERNELS),
-    ("material.region.*.memory.terms.*.inner", &KERNELS),
-    ("contact.law", &LAWS),
-    ("contact.friction.bound", &BOUNDS),
-    ("trace.*.law", &LAWS),
-];
-
-/// Refuses a key that no table of its name has.
-pub(super) fn refuse_unknown(reading: &Reading, kind: SceneKind) -> Result<()> {
-    let of_kind = match kind {
-        SceneKind::Contact => OF_BODIES,
-        SceneKind::Abstract => OF_ABSTRACT,
-    };
-    for (name, keys) in of_kind.iter().chain(OF_ALL) {
-        for table in tables(reading, name)? {
-            reading.keys(&table, keys)?;
-        }
-    }
-    let rules = ("time.rule", &TimeRule::kinds()[..]);
-    for (name, kinds) in WITH_KINDS.iter().copied().chain([rules]) {
-        for table in tables(reading, name)?.iter().filter(|table| reading.has_parts(table)) {
-            reading.keys(table, &of_any(kinds))?;
+/// Refuses a key that no table of its name has. Unknown keys are refused before values are read: a misspelt one is why another
+/// is missing.
+fn refuse_unknown(reading: &Reading, kind: SceneKind) -> Result<()> {
+    let parts = || Part::every().iter().filter(|part| part.is_of(kind));
+    let whole = parts().map(|part| part.tables[0].trim_end_matches(".*"));
+    reading.keys("", &whole.filter(|name| !name.contains('.')).collect::<Vec<_>>())?;
+    for part in parts() {
+        let keys = part.keys(kind);
+        for table in &part.tables {
+            let tables = tables(reading, table)?.into_iter();
+            let is_table = |table: &String| !part.has_kinds() || reading.has_parts(table);
+            tables.filter(is_table).try_for_each(|table| reading.keys(&table, &keys))?;
         }
     }
     Ok(())
 }
 
+/// The tables of a file that a name stands for.
 fn tables(reading: &Reading, name: &str) -> Result<Vec<String>> {
     if let Some(rest) = name.strip_prefix("contact") {
         let of = |table: String| format!("{table}{rest}");
