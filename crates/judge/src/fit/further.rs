@@ -46,16 +46,34 @@ impl Further {
 }
 
 impl Posterior {
+    /// What somebody may know of the errors, where they look like it.
+    fn known_better(&self) -> String {
+        // Slopes against a finer run rise ever faster.
+        let reference = self.may_have_a_reference()
+            && matches!(self.slopes[..], [.., a, b, c] if b > a && c - b > b - a);
+        let floor = self.may_have_a_floor();
+        [
+            (reference, ", or state the step of the finer run that these are differences from"),
+            (floor, ", or state the floor"),
+        ]
+        .into_iter()
+        .filter_map(|(may, text)| may.then_some(text))
+        .collect()
+    }
+
     /// What helps a ruling, where `further` is the next level: none unless it is open.
     pub fn help(&self, ruling: &Ruling, further: Further) -> Option<Further> {
         let settled_above = ruling.too_high && ruling.decision == Decision::Unresolved;
         match self.floor_from {
             _ if settled_above && !ruling.unexplained => Some(Further::without_steps(
-                "finer levels would not lower it; \"at least\" takes it for a lower bound",
+                "finer levels lower it only if the slopes still fall; \"at least\" takes it for a lower bound",
             )),
             _ if !ruling.is_helped() => None,
             Some(_) => Some(Further::without_steps(LOWER_FLOOR)),
-            None => Some(further),
+            None => {
+                let text = format!("{}{}", further.text, self.known_better());
+                Some(Further { text, ..further })
+            }
         }
     }
 }
@@ -88,5 +106,26 @@ mod tests {
         }
         assert_eq!(Further::after("k", &[0.5], &[], None).text, "run k = 0.25 and k = 0.125");
         assert_eq!(Further::after("k", &[], &[], None).text, "run three values of k");
+    }
+
+    /// Order one against a run of h = 1/128, and a forward difference that meets its rounding.
+    #[test]
+    fn slopes_of_differences_from_a_run_and_of_a_floor_ask_for_what_somebody_knows() {
+        let advice = |table: &[(f64, f64)]| {
+            let found = crate::fit::order(table).expect("an order");
+            let ruling = found.decide(&crate::fit::Claim::new(1.0).expect("a claim"));
+            found.help(&ruling, Further::without_steps("run it")).expect("advice").text
+        };
+        let table: Vec<(f64, f64)> =
+            (3..7).map(|i| (0.5f64.powi(i), 0.5f64.powi(i) - 0.5f64.powi(7))).collect();
+        let said = advice(&table);
+        assert!(said.starts_with("run it, or state the step of the finer run"), "{said}");
+        // (sin(1 + h) − sin 1)/h − cos 1 in doubles.
+        let met = |i: i32| {
+            let h = 0.1f64.powi(i);
+            (h, ((1.0 + h).sin() - 1f64.sin()) / h - 1f64.cos())
+        };
+        let met: Vec<(f64, f64)> = (1..9).map(met).map(|(h, error)| (h, error.abs())).collect();
+        assert!(advice(&met).ends_with(", or state the floor"), "{}", advice(&met));
     }
 }

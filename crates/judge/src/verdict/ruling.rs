@@ -17,4 +17,4 @@ pub(super) fn claim(prediction: &Prediction, order: f64) -> Claim {
     Claim { order, at_least, exact, tolerance: TOLERANCE, log: 0.0 }
 }
 
-const HIGHER_ORDER: &str = "finer cases would not lower it; state the higher order with its theorem, at_least = true where the theory gives a bound, or choose a solution that excites the term";
+const HIGHER_ORDER: &str = "finer cases lower it only if the slopes still fall; state the higher order with its theorem, at_least = true where the theory gives a bound, or choose a solution that excites the term";

@@ -40,6 +40,10 @@ const DIFFERENCES: f64 = 1.6;
 /// Two slopes refute an order from so far below on, where the last is taken to change as much again: half an order, by which
 /// theorems differ, less a tenth for what the change leaves out. A floor that scatters feigns less.
 const FAR_BELOW: f64 = 0.4;
+/// A factor |log h| lowers slopes by 1/|log h|: a third from h = 1/20 on. Its changes fall by 1/i² over halvings, to more than
+/// this share from the sixth on; those of a next term h to a half.
+const SLOWLY: f64 = 1.0 / 3.0;
+const ALIKE: f64 = 0.6;
 /// Slopes that rise by this factor are not those of a power.
 const STEEP: f64 = 1.5;
 /// Below the first probability a floor is ignored; above the second it is the likelier reading.
@@ -368,6 +372,9 @@ impl Posterior {
             Answer::Confirmed => {
                 format!("within {reach:.2} of {order} with probability {percent}")
             }
+            Answer::TooLow if self.rises_slowly_to(order) => format!(
+                "{interval} lies below {order}; slopes that rise so slowly are those of a factor |log h|, where theory has one"
+            ),
             Answer::TooLow => format!("{interval} lies below {order}"),
             Answer::TooHigh if claim.exact => {
                 format!("{interval} lies above {order}, which is exact")
@@ -377,6 +384,23 @@ impl Posterior {
             ),
             Answer::Open => self.open_reason(claim, probability),
         }
+    }
+
+    /// Four and more slopes rise towards the order, and at last by nearly as much as before.
+    fn rises_slowly_to(&self, order: f64) -> bool {
+        let rise = self.slopes.windows(2).all(|pair| pair[1] > pair[0]);
+        let [.., a, b, c] = self.slopes[..] else { return false };
+        rise && self.slopes.len() > FEWEST && order - c < SLOWLY && c - b > ALIKE * (b - a)
+    }
+
+    /// Whether nobody has said what the errors are measured against.
+    pub(in crate::fit) fn may_have_a_reference(&self) -> bool {
+        self.trend.may_have_a_reference
+    }
+
+    /// Whether a floor is not to be ignored.
+    pub(in crate::fit) fn may_have_a_floor(&self) -> bool {
+        self.floor >= FLOOR[0]
     }
 
     fn open_reason(&self, claim: &Claim, probability: f64) -> String {

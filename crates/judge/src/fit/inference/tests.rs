@@ -298,6 +298,23 @@ fn other_rules_do_not_meet_them() {
     }
 }
 
+/// The trapezoidal rule for x log x on [0, 1], h² (|log h|/12 + 0.24875), and h² beside h³.
+#[test]
+fn slopes_that_rise_slowly_name_the_logarithm() {
+    let reason = |error: fn(f64) -> f64, order: f64| {
+        let table: Vec<Level> =
+            (3..9).map(|i| 0.5f64.powi(i)).map(|h| level(h, error(h))).collect();
+        let found = infer(&table, &Known::default()).expect("an order");
+        let ruling = found.decide(&Claim::new(order).expect("a claim"));
+        assert_eq!(ruling.decision, Decision::Fail, "{ruling:?}");
+        ruling.reason
+    };
+    let log = reason(|h| h * h * (h.ln().abs() / 12.0 + 0.24875), 2.0);
+    assert!(log.contains("a factor |log h|"), "{log}");
+    let plain = reason(|h| h * h * (1.0 - h), 2.25);
+    assert!(!plain.contains("log"), "{plain}");
+}
+
 #[test]
 fn what_is_no_table_is_refused() {
     let [a, b, c] = [0.25, 0.125, 0.0625].map(|h| level(h, h));
