@@ -389,6 +389,9 @@ impl<'a> Reader<'a> {
                 (Some(first), _) => {
                     let falls = columns[1..].iter().find(|name| self.falls(name));
                     let first = falls.unwrap_or(first);
+                    if first.to_lowercase().starts_with("log") {
+                        return fail(format!("`{first}` holds logarithms: give the errors"));
+                    }
                     format!(
                         "no column of errors among {}: --p {first}=2 makes `{first}` one",
                         listed(&columns)

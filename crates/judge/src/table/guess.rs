@@ -346,7 +346,10 @@ pub(super) fn by_powers(block: &Block, named: bool, roles: &mut [Role], notes: &
     let clear = || found.iter().all(|(_, fall)| *fall >= TWO_DECADES);
     if !found.is_empty() && (named || found.len() == open.len() || clear()) {
         let names = listed(found.iter().map(|&(at, _)| &block.names[at]));
-        notes.push(format!("{names} taken for errors because they fall"));
+        // Beside a named error they are read where somebody asks for them.
+        if !roles.contains(&Role::Error) {
+            notes.push(format!("{names} taken for errors because they fall"));
+        }
         found.into_iter().for_each(|(at, _)| roles[at] = Role::Wide);
     }
 }
