@@ -235,9 +235,13 @@ impl Line<'_> {
     }
 
     /// The constant for the predicted or the found order; the scheme is unknown, so the next power is taken as the next
-    /// term.
+    /// term. None for an order that the table excludes, and against a run, whose share it would hold.
     fn constant(&self, read: &LineReading) -> Option<(f64, Interval)> {
         let order = self.asked.order(self.direction).unwrap_or(read.posterior.order);
+        let against_a_run = self.asked.reference.is_some_and(|step| step > 0.0);
+        if against_a_run || !read.posterior.interval.contains(order) {
+            return None;
+        }
         let factor = |step: f64| step.ln().abs().powf(self.asked.claim.log);
         let divided = read.samples.iter().map(|s| Sample { error: s.error / factor(s.step), ..*s });
         constant_under(order, &divided.collect::<Vec<_>>(), Correction::Linear)
@@ -570,8 +574,14 @@ pub(super) fn values_part(group: &Group, direction: Direction, asked: Asked) -> 
         return None;
     }
     // Along a path the value depends on one step.
-    let findings = value_samples(&eoc::line(group, direction), direction)
-        .map(|samples| Findings::of(samples, asked));
+    let line = eoc::line(group, direction);
+    let other = direction.other();
+    let held =
+        line.last().filter(|_| group.refined(other) && judge::fit::path(&group.points()).is_none());
+    let held = held.map_or(String::new(), |point| {
+        format!(" at {} = {}", other.name(), plain(other.step(point)))
+    });
+    let findings = value_samples(&line, direction).map(|samples| Findings::of(samples, asked));
     let name = direction.name();
     let answer = predicted.map(|order| {
         gap_verdict(group).unwrap_or_else(|| match &findings {
@@ -586,7 +596,7 @@ pub(super) fn values_part(group: &Group, direction: Direction, asked: Asked) -> 
     let mut further = values_object(found, name, answer.as_ref());
     further["predicted"] = predicted.into();
     let text = match &findings {
-        Ok(findings) => values_text(findings, name, &tail),
+        Ok(findings) => values_text(findings, &format!("{name}{held}"), &tail),
         Err(error) => format!("{name}: {error}"),
     };
     Some(asked.part((text, further), order, answer, otherwise))
