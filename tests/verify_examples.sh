@@ -132,6 +132,7 @@ of=numpy_p1
 for entry in 0.5 2; do
     named "cause: the tensors have other shear entries" viscoelastic "s/diag(\[2, 2, 1\])/diag([2, 2, $entry])/" "${space[@]}"
 done
+named "cause: all regions have the elasticity and memory of region 0" layered 's/(laws)\[region\]/(laws)[0 * region]/' --n 4,8,16
 of=ngsolve_p1
 named "$tensors" viscoelastic 's/2 \* law/law/' "${space[@]}"
 named "cause: the memory has the other sign" prony 's/np.load("kernels/-&/'

@@ -285,7 +285,7 @@ fn a_solver_without_an_answer_is_a_failed_case_with_the_reason() {
         (script("fails.sh", "echo the mesh is odd >&2\nexit 3\n"), "the mesh is odd"),
         (script("silent.sh", "exit 0\n"), "neither displacement.npy nor displacement.csv"),
         (script("slow.sh", "exec sleep 60\n"), "stopped after 1 s"),
-        (script("nan.sh", &copy("nan.npy")), "NaN at level 0, row 0"),
+        (script("nan.sh", &copy("nan.npy")), "NaN at level 0, vertex 0: ux"),
         (script("short.sh", &copy("short.npy")), "[2, 25, 2] where [3, 25, 2]"),
         (script("text.sh", "echo 1,2 > \"$1/displacement.npy\"\n"), "no .npy file"),
     ] {

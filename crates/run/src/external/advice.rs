@@ -11,7 +11,11 @@ use scene::{Body, Data, LoadForm, Scene, SceneError};
 pub fn on_pressures(scene: &Scene, handed: bool) -> Option<String> {
     let needing = scene.predicts.iter().filter(|claim| claim.norm.wants_pressure()).count();
     let name = &scene.name;
+    let touches = scene.as_contact().is_some_and(|body| !body.domain.contact.is_empty());
     match (needing, handed) {
+        (_, true) if !touches => {
+            Some(format!("{name} has no contact: --pressure measures nothing"))
+        }
         (0, true) => Some(format!(
             "no claim of {name} needs the pressures: their errors are in cases.csv, and no verdict judges them; signorini, state-instant and affine-graded do"
         )),

@@ -31,7 +31,12 @@ pub(super) fn read_pressures(
     [levels, points]: [usize; 2],
     until: Until,
 ) -> Result<Vec<f64>, AnswerError> {
-    read_array(dir.join(PRESSURE), &[levels, points], "levels N + 1, rows of contact.csv", until)
+    let path = dir.join(PRESSURE);
+    if !path.exists() {
+        let reason = "no such file: write it, or leave out --pressure".to_owned();
+        return Err(AnswerError::Unreadable { path, reason });
+    }
+    read_array(path, &[levels, points], "levels N + 1, rows of contact.csv", until)
 }
 
 /// Shape and length are checked before a number is read.
@@ -88,10 +93,9 @@ fn read_table(
         let line = record.position().map_or(0, csv::Position::line);
         let index = |column: usize, below: usize| {
             let (text, name, last) = (&record[column], names[column], below.saturating_sub(1));
-            text.parse()
-                .ok()
-                .filter(|&value: &usize| value < below)
-                .ok_or_else(|| fault(line, format!("`{text}` is no {name} from 0 to {last}")))
+            text.parse().ok().filter(|&value: &usize| value < below).ok_or_else(|| {
+                fault(line, format!("`{text}` is no {name} from 0 to {last}, counted from 0"))
+            })
         };
         let at = index(0, levels)? * vertices + index(1, vertices)?;
         if std::mem::replace(&mut seen[at], true) {
@@ -105,7 +109,8 @@ fn read_table(
     }
     if let Some(at) = seen.iter().position(|seen| !seen) {
         let (n, vertex) = (at / vertices, at % vertices);
-        return Err(fault(0, format!("level {n}, vertex {vertex} is missing")));
+        let reason = format!("level {n}, vertex {vertex} is missing");
+        return Err(AnswerError::Unreadable { path: path.to_owned(), reason });
     }
     Ok(numbers)
 }
@@ -253,7 +258,7 @@ fn shape(header: &str) -> Option<Vec<usize>> {
 /// Why an answer cannot be used.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum AnswerError {
-    #[error("there is neither {DISPLACEMENT} nor {DISPLACEMENT_TABLE} in {}", .0.display())]
+    #[error("there is neither {DISPLACEMENT} nor {DISPLACEMENT_TABLE} in {}, the last argument of the command", .0.display())]
     Missing(PathBuf),
     #[error("{}: {reason}", path.display())]
     Unreadable { path: PathBuf, reason: String },

@@ -93,17 +93,18 @@ fn forget(dir: &Path) -> Result<(), CaseError> {
     named.iter().try_for_each(|name| remove_if_there(&dir.join(name))).map_err(said)
 }
 
-/// Refuses NaN and infinity in the rows of levels.
-fn finite(what: &str, values: &[f64], levels: usize) -> Result<(), CaseError> {
+/// Refuses NaN and infinity in an answer: numbers of levels, and in each those of `place`, by index.
+fn finite(values: &[f64], levels: usize, place: impl Fn(usize) -> String) -> Result<(), CaseError> {
     let row = values.len() / levels;
     values.iter().position(|value| !value.is_finite()).map_or(Ok(()), |at| {
-        let (value, n, row) = (values[at], at / row, at % row);
-        Err(said(format!("{what}: {value} at level {n}, row {row}")))
+        Err(said(format!("{} at level {}, {}", values[at], at / row, place(at % row))))
     })
 }
 
 /// Largest value on Γ1 as a share of the largest displacement: conditions by a penalty of 1e10 leave less.
 const CLAMPED_WITHIN: f64 = 1e-8;
+/// A larger share is no penalty that is too small.
+const FREE: f64 = 0.01;
 
 /// V has u = 0 on Γ1, u_ν = 0 on planes of symmetry, and ‖ε(·)‖ is a norm there alone: a body that has moved as a whole has no strain.
 ///
@@ -134,14 +135,21 @@ fn vanishes_where_clamped(
             .max_by(|a, b| a.0.total_cmp(&b.0))
             .filter(|(value, ..)| value.is_nan() || *value > most)
     };
+    let displaced = most / CLAMPED_WITHIN;
     let (of, (value, n, vertex)) = match (worst(&mut { across }), worst(&mut { held })) {
         (Some(found), _) => ("along the normal of a plane of symmetry (symmetry.csv)", found),
         (_, Some(found)) => ("which is clamped (`clamped` of vertices.csv)", found),
         _ => return Ok(()),
     };
+    let why = match value > FREE * displaced {
+        true => {
+            "vertices are numbered otherwise than in vertices.csv, from 0, or are not held there"
+        }
+        false => "errors are measured in V, whose functions vanish on Gamma1",
+    };
     Err(said(format!(
         "the displacement is {value:e} at level {n}, vertex {vertex}, {of}: it is 0 there, here to {most:.1e}, \
-         {CLAMPED_WITHIN:e} of the largest displacement; errors are measured in V, whose functions vanish on Gamma1"
+         {CLAMPED_WITHIN:e} of the largest displacement; {why}"
     )))
 }
 
@@ -158,8 +166,11 @@ fn show(
     // Corners stand among the rows of an answer, also where the element has no nodes there.
     let row = space.mesh.vertices() * d;
     let (levels, points) = (grid.steps() + 1, space.trace.points.len());
-    finite("displacement", u, levels)?;
-    pressures.iter().try_for_each(|given| finite("pressure", given, levels))?;
+    let (d, axes) = (space.mesh.dimension, ["ux", "uy", "uz"]);
+    finite(u, levels, |at| format!("vertex {}: {} of the displacement", at / d, axes[at % d]))?;
+    pressures.iter().try_for_each(|given| {
+        finite(given, levels, |at| format!("row {at} of contact.csv: the pressure"))
+    })?;
     vanishes_where_clamped(space, grid, u)?;
     let pressures = pressures.unwrap_or_else(|| vec![f64::NAN; levels * points]);
     let mut histories = Histories::new(&model.memory, &*model.time_rule, grid, space.nodes.len());
