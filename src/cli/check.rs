@@ -55,6 +55,9 @@ impl Check {
         let limit = self.common.allowance.limit();
         admit_constants(&scene, true, &limit)?;
         let mut plan = ScenePlan::new(Subject::new(scene)?, &self.grid.overrides());
+        if let Some(remark) = plan.step_remark()? {
+            super::output::remark(&plan.scene().name, &remark);
+        }
         let findings = findings(&plan, &limit)?;
         let failed = findings.iter().any(|finding| finding.status == Status::Failed);
         let costs = match plan.costs() {

@@ -113,6 +113,13 @@ pub(crate) struct Fit {
 
 impl Fit {
     pub(super) fn execute(&self) -> Result<u8, CliError> {
+        for (option, path) in [("--svg", &self.svg), ("--junit", &self.junit)] {
+            let same = |path: &&PathBuf| same_file(path, &self.file);
+            if let Some(path) = path.as_ref().filter(same) {
+                let why = "this is the table itself, which would be overwritten: name another file";
+                return Err(CliError::about(format!("{option} {}", path.display()), why));
+            }
+        }
         let mut tables = self.tables()?;
         let mut claims = [self.p.clone(), self.q.clone()];
         for claims in claims.iter_mut().flatten() {
@@ -396,6 +403,11 @@ fn judged(
     }
     found.texts.extend(tables.said.iter().cloned());
     Ok(found)
+}
+
+/// Whether two paths are one file that exists.
+fn same_file(a: &Path, b: &Path) -> bool {
+    matches!((a.canonicalize(), b.canonicalize()), (Ok(a), Ok(b)) if a == b)
 }
 
 /// What a suite and a test of JUnit are called: the file or the scene in it, and the norm.

@@ -1,7 +1,6 @@
 //! Limits of memory and processors, and interruption.
 
 use std::io::IsTerminal;
-use std::path::Path;
 
 use super::CliError;
 use super::output::print_error;
@@ -65,11 +64,7 @@ const BY_SIGNAL: i32 = 128;
 
 /// From now on these signals end the program with a message, and code 130 (Ctrl-C), 143 (SIGTERM) or 129 (SIGHUP). No
 /// case is waited for: a table cut off at any byte can be resumed.
-pub(crate) fn on_interrupt(out: &Path, resuming: &str) -> Result<(), CliError> {
-    let message = format!(
-        "interrupted; finished cases are kept in {}\ngo on with: {resuming}",
-        out.display()
-    );
+pub(crate) fn on_interrupt(message: String) -> Result<(), CliError> {
     on_signal(move |signal| {
         run::external::end_solvers();
         // A progress bar occupies the last line of a terminal.

@@ -1,5 +1,6 @@
 //! The scenes of a command, and whether they fit into memory.
 
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use super::CliError;
@@ -41,7 +42,14 @@ impl Scenes {
         if name.ends_with(".toml") {
             return Ok(Scene::read(Path::new(name))?);
         }
-        Ok(self.registry()?.load(name)?)
+        let file = PathBuf::from(format!("{name}.toml"));
+        self.registry()?.load(name).map_err(|error| match error {
+            SceneError::Unknown { name, folder, .. } if file.is_file() => {
+                let way_out = format!("did you mean the file `{}`?", file.display());
+                SceneError::Unknown { name, folder, way_out }.into()
+            }
+            error => error.into(),
+        })
     }
 
     pub(super) fn registry(&self) -> Result<Registry, CliError> {
@@ -54,7 +62,16 @@ impl Scenes {
     /// The named scenes, or all.
     pub(super) fn select(&self, names: &[String]) -> Result<Vec<Scene>, CliError> {
         if !names.is_empty() {
-            return names.iter().map(|name| self.scene(name)).collect();
+            let scenes: Vec<Scene> =
+                names.iter().map(|name| self.scene(name)).collect::<Result<_, _>>()?;
+            let mut seen: BTreeMap<&str, &Path> = BTreeMap::new();
+            for Scene { name, source, .. } in &scenes {
+                if let Some(first) = seen.insert(name, &source.path) {
+                    let (name, first, second) = (name.clone(), first.into(), source.path.clone());
+                    return Err(SceneError::Duplicate { name, first, second }.into());
+                }
+            }
+            return Ok(scenes);
         }
         let registry = self.registry()?;
         let all: Vec<String> = registry.names().map(str::to_owned).collect();

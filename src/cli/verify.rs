@@ -101,14 +101,20 @@ impl Verify {
         if let Some(folder) = &self.export {
             return export(&self.plan(scenes, Arc::new(NewtonMarch))?, folder);
         }
+        if let Some(folder) = self.results.as_ref().filter(|folder| !folder.is_dir()) {
+            let why = "no such directory: it is the one of --export, above that of the scene";
+            return Err(CliError::about(format!("--results {}", folder.display()), why));
+        }
         let folder = self.results.clone().unwrap_or_else(|| self.out.join("cases"));
         // The answers stand in their files when a cause is looked for.
         let answers =
             ExternalSolver { way: Way::Results, folder: folder.clone(), pressures: self.pressure };
         let plan = self.plan(scenes, Arc::new(self.solver(folder)?))?;
+        if let Some(remark) = plan.step_remark()? {
+            super::output::remark(&plan.scene().name, &remark);
+        }
         let out = OutputDirectory::take(&self.out)?;
-        let again = format!("the same command; records of {} are written anew", self.scene);
-        on_interrupt(&self.out, &again)?;
+        on_interrupt("interrupted; the same command starts again".to_owned())?;
         let mut judged = self.judged(plan, out)?;
         if let Subject::Contact(setup) = &judged.plans[0].subject {
             let found = look_for_cause(&judged.verdicts, setup, judged.plans[0].runs(), &answers);

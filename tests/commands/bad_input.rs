@@ -210,6 +210,24 @@ fn grids_that_do_not_fit() {
     let found =
         faults(&sweep(&["solve", &half, "--n", "5", "--steps", "4"]), "half.toml:", &["n = 5"]);
     assert!(found.is_empty(), "{found:?}");
+    // One step of prony is too long for (3.4) and beyond: what `run` refuses is neither sound nor a fault of a solver.
+    let verify = ["verify", "prony", "--solver", "true", "--out", &out, "--steps", "1"];
+    for arguments in [
+        &["run", "prony", "--steps", "1", "--out", &out][..],
+        &["check", "prony", "--steps", "1"],
+        &verify,
+    ] {
+        let found =
+            faults(&sweep(arguments), "N = 1", &["one solution per step is guaranteed only"]);
+        assert!(found.is_empty(), "{arguments:?}: {found:?}");
+    }
+    let same = sweep(&["run", "affine", "affine", "--out", &out]);
+    let found = faults(&same, "affine", &["two scenes are called", "rename one"]);
+    assert!(found.is_empty(), "{found:?}");
+    let nowhere =
+        sweep(&["verify", "prony", "--results", &folder.argument("nowhere"), "--out", &out]);
+    let found = faults(&nowhere, "nowhere", &["no such directory"]);
+    assert!(found.is_empty(), "{found:?}");
     assert!(!folder.at("out").exists());
 }
 
@@ -231,6 +249,7 @@ fn tables_that_cannot_be_fitted() {
             "h,error\n0.1,0.2\n0.1,0.3\n",
             "twice.csv:3: the level of line 2 comes again: --runs",
         ),
+        ("logs.csv", "h,log10_error\n0.1,-2\n0.05,-2.6\n", "holds logarithms"),
         ("torn.csv", "h,error\n0.1,0.2\n0.05\n", "torn.csv:3: 1 field"),
         ("commas.txt", "h error\n1,234 1\n", "commas.txt:2: `1,234` may be 1234 or 1.234"),
         ("time.csv", "dt,error\n0.1,1\n0.05,0.5\n", "write --q"),
@@ -240,6 +259,13 @@ fn tables_that_cannot_be_fitted() {
         let aim: &[&str] = if name == "time.csv" { &["--p", "1"] } else { &[] };
         let found = faults(&sweep(&[&["fit", &path], aim].concat()), name, &[phrase]);
         assert!(found.is_empty(), "{name}: {found:?}");
+    }
+    let sound = "h,error\n0.1,1\n0.05,0.5\n0.025,0.25\n";
+    let table = folder.file("itself.csv", sound);
+    for option in ["--svg", "--junit"] {
+        let over = sweep(&["fit", &table, "--p", "1", option, &table]);
+        let found = faults(&over, "itself.csv", &[option, "overwritten"]);
+        assert!(found.is_empty() && folder.read("itself.csv") == sound, "{found:?}");
     }
     let missing = folder.argument("missing.csv");
     let found = faults(&sweep(&["fit", &missing]), "missing.csv", &[]);

@@ -154,8 +154,10 @@ fn the_estimate_of_the_readme_is_the_one_printed() {
     let readme = read("README.md");
     let line = readme.lines().find(|line| line.starts_with("sweep solve ")).expect("a command");
     let printed = stdout(&sweep(&cells(line)[1..]));
-    let shown =
-        block(&readme, "upper end of the interval, and the run that checks both:\n\n```text\n");
+    let shown = block(
+        &readme,
+        "upper end of the interval, and the run that checks the first:\n\n```text\n",
+    );
     assert_eq!(shown.lines().count(), 3);
     for line in shown.lines() {
         assert!(printed.contains(line.trim()), "{line}\n{printed}");

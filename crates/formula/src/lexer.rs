@@ -32,6 +32,10 @@ pub(super) fn tokens(text: &str) -> Result<Vec<Spanned<'_>>, ParseError> {
         } else {
             0
         };
+        if rest.starts_with("**") {
+            let error = ParseError::new(at..at + 2, "`**` is no operator".to_owned());
+            return Err(error.hinted("powers are written t^2"));
+        }
         let span = at..at + length.max(1);
         let token = if length > 0 && (first.is_alphabetic() || first == '_') {
             Token::Name(&rest[..length])

@@ -635,11 +635,11 @@ pub(super) fn by_distance<'a>(
     near.into_iter().map(|(_, candidate)| candidate).collect()
 }
 
-/// Number of edits between the names (insertions, deletions, substitutions, swaps of neighbours); None if more than a third of the letters differ. A prefix of three letters or
+/// Number of edits between the names (insertions, deletions, substitutions, swaps of neighbours); None if more than a third of the letters differ. A prefix of two letters or
 /// more counts as one edit.
 fn closeness(name: &str, candidate: &str) -> Option<usize> {
     let shorter = name.len().min(candidate.len());
-    if shorter >= 3 && (name.starts_with(candidate) || candidate.starts_with(name)) {
+    if shorter >= 2 && (name.starts_with(candidate) || candidate.starts_with(name)) {
         return Some(1);
     }
     let edits = osa_distance(name, candidate);

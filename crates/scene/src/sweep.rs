@@ -189,7 +189,10 @@ fn unfit(n: u32, domain: &Domain) -> Option<(String, &'static str)> {
     if cells.is_nan() || cells > MOST_CELLS {
         let message =
             format!("n = {n} makes {cells:.1e} cells, and a mesh has {MOST_CELLS:e} at most");
-        return Some((message, "choose a smaller n"));
+        return Some((
+            message,
+            "choose a smaller n, the number of cells per unit length, or a larger unit",
+        ));
     }
     let odd = |length: &&f64| {
         let cells = f64::from(n) * **length;
