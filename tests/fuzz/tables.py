@@ -241,7 +241,7 @@ def second(text, asked):
                         there = [value for value in values if value is not None]
                         if 0 in there:
                             raise Unsure("an error of 0")
-                        if there and max(there) <= 0 and min(there) < 0:
+                        if there and min(there) < 0:
                             values = [value and abs(value) for value in values]
                         points = [(h, k, value) for (h, k), value in zip(sizes, values) if value is not None and math.isfinite(value)]
                         answer.setdefault(bare(name), []).extend(points)

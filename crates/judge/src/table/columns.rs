@@ -413,18 +413,15 @@ impl<'a> Reader<'a> {
         let mut measured = Vec::new();
         for at in places {
             let entries = self.column(at, false)?;
-            // An error that changes its sign among others is broken, as a lone minus is.
+            // A signed difference is as large an error as it is off zero.
             let mut signs = entries.iter().flatten();
             let (below, above) =
                 (signs.clone().any(|error| *error < 0.0), signs.any(|error| *error > 0.0));
-            let negative = below && !above;
-            if below && above && !own && quantity == Quantity::Error {
-                let name = self.name(at);
-                self.notes.push(format!("`{name}` has both signs: what is negative is no error"));
-            }
-            let signed = negative && !own && quantity == Quantity::Error;
+            let signed = below && !own && quantity == Quantity::Error;
             if signed {
-                self.notes.push(format!("`{}` is negative and read by magnitude", self.name(at)));
+                let signs = if above { "has both signs" } else { "is negative" };
+                let note = format!("`{}` {signs} and is read by magnitude", self.name(at));
+                self.notes.push(note);
             }
             let norm = (!one).then(|| self.name(at).to_owned());
             measured.push(Measured { at, norm, entries, signed });
