@@ -216,12 +216,13 @@ impl State {
         left.map_or(cases.clone(), |left| format!("{cases}, about {} s left", left.ceil()))
     }
 
-    /// A failure in words; a repeated reason is omitted.
+    /// A failure in words; a reason that is repeated, but for its numbers, is omitted.
     fn failed(&mut self, reason: &str) -> String {
-        if self.reason.as_deref() == Some(reason) {
+        let said = Some(reason.replace(|c: char| c.is_ascii_digit(), ""));
+        if self.reason == said {
             return "failed for the same reason".into();
         }
-        self.reason = Some(reason.into());
+        self.reason = said;
         format!("failed: {reason}")
     }
 }

@@ -126,9 +126,12 @@ fn compare_with(
 
 const NAMED_GAPS: usize = 3;
 
-/// Gaps by place; a reason shared by several cases is stated once.
+/// Gaps by place; a reason shared by several cases, but for its numbers, is stated once.
 fn gaps_in_words(gaps: &[String]) -> String {
-    let reason = |gap: &str| gap.split_once(" failed: ").map(|(_, reason)| reason.to_owned());
+    let reason = |gap: &str| {
+        let (_, reason) = gap.split_once(" failed: ")?;
+        Some(reason.replace(|c: char| c.is_ascii_digit(), ""))
+    };
     let mut said: Vec<(&String, Option<String>, usize)> = Vec::new();
     for gap in gaps {
         let shared = reason(gap);
