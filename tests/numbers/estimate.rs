@@ -386,13 +386,15 @@ fn the_command_recommends_or_refuses() {
         assert!(stderr(&output).contains(message), "{more:?}: {}", stderr(&output));
     }
     // Refused afterwards: what is known of the run is printed all the same.
-    let output = with(&["--estimate", "--target", "0.01%", "--json"]);
-    assert_eq!(code(&output), 2);
-    assert!(stderr(&output).contains("start from a finer run"), "{}", stderr(&output));
-    let document = json(&output);
-    assert!(document["norms"][0]["value"].is_f64());
-    let refused = document["recommendation"]["refused"].as_str().expect("a reason");
-    assert!(refused.contains("start from a finer run"), "{refused}");
+    for (target, why) in [("0.01%", "start from a finer run"), ("8", "no less than the solution")] {
+        let output = with(&["--estimate", "--target", target, "--json"]);
+        assert_eq!(code(&output), 2);
+        assert!(stderr(&output).contains(why), "{}", stderr(&output));
+        let document = json(&output);
+        assert!(document["norms"][0]["value"].is_f64());
+        let refused = document["recommendation"]["refused"].as_str().expect("a reason");
+        assert!(refused.contains(why), "{refused}");
+    }
     let output = ends(
         2,
         &["solve", "elastic-punch", "--n", "6", "--steps", "8", "--estimate", "--target", "1%"],

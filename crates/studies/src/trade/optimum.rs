@@ -139,9 +139,14 @@ impl Wanted {
         Ok(Self { norm, error: Some(error), relative })
     }
 
-    /// The absolute error, for a solution of this size.
-    pub fn error(&self, size: f64) -> Option<f64> {
-        self.error.map(|error| if self.relative { error * size } else { error })
+    /// The absolute error, for a solution of this size in V_max.
+    ///
+    /// # Errors
+    /// An error that zero has as well.
+    pub fn error(&self, size: f64) -> Option<Result<f64, NoAnswer>> {
+        let target = self.error.map(|error| if self.relative { error * size } else { error })?;
+        let as_zero = self.norm == Norm::VMax && size > 0.0 && target >= size;
+        Some(if as_zero { Err(NoAnswer::AsZero { target, size }) } else { Ok(target) })
     }
 }
 
@@ -153,6 +158,10 @@ pub enum NoAnswer {
     Refused(String),
     #[error("the target {target} must be positive")]
     NotPositive { target: f64 },
+    #[error(
+        "the target {target:.3e} is no less than the solution, {size:.3e}: `5%` is a twentieth of it"
+    )]
+    AsZero { target: f64, size: f64 },
     /// Below what solver and rounding leave.
     #[error(
         "an error of {target:.3e} cannot be reached: solver and rounding leave up to {floor:.1e}, and only errors above {FLOORS_ABOVE} times that can be measured"

@@ -81,7 +81,7 @@ pub fn trade(
         settings.push(Setting::of(change, trials, setup));
     }
     let target = wanted.error(bench.size);
-    let candidates = target.map(|target| candidates(&settings, setup, target, limit));
+    let candidates = target.map(|target| candidates(&settings, setup, target?, limit));
     let (candidates, refused) = match candidates.transpose() {
         Ok(found) => (found.unwrap_or_default(), None),
         Err(none) => (Vec::new(), Some(none)),

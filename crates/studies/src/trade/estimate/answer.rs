@@ -77,9 +77,12 @@ pub fn estimate(
     let mut refused = None;
     if let Some(target) = wanted.error(found.size) {
         let norm = wanted.norm;
-        let goal = Goal { setup, norm, target, limit: *limit };
-        json["recommendation"] = match advise(&goal, &found) {
-            Ok(advice) => {
+        let advised = |target| {
+            let goal = Goal { setup, norm, target, limit: *limit };
+            Ok((target, advise(&goal, &found)?))
+        };
+        json["recommendation"] = match target.and_then(advised) {
+            Ok((target, advice)) => {
                 let cautious = advice.cautious.as_ref().map_or_else(refusal, words);
                 let [n, steps] = advice.check;
                 document.words(format!("Target {target:.4e} in {}:", norm.name()));
