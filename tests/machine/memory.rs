@@ -213,8 +213,9 @@ fn records_of_sweeps_beside_run_name_the_limit() {
     let scene = edited(&text("affine"), "name = \"affine\"", "name = \"small\"");
     let scene = folder.file("small.toml", &scene);
     let (out, file) = (folder.argument("out"), folder.argument("baseline.json"));
+    let answers = folder.argument(".");
     let commands: [&[&str]; 2] = [
-        &["verify", &scene, "--results", &out, "--out", &out],
+        &["verify", &scene, "--results", &answers, "--out", &out],
         &["baseline", &scene, "--file", &file, "--out", &out],
     ];
     for arguments in commands {

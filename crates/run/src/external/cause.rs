@@ -419,7 +419,7 @@ fn of_tensors(left: &Left<'_>, offer: &mut Offer<'_>) {
     let lame = [(1.0, 0.0), (0.0, 1.0)].map(|(lambda, mu)| Isotropic { lambda, mu }.into());
     for region in 0..if regions > 1 { regions } else { 0 } {
         let apart = |own: &TensorField, v: &[Vec<f64>]| {
-            let everywhere: TensorField = own.on(region).clone().into();
+            let everywhere: TensorField = (*own.on(region)).into();
             let both = left.stiff(own, v).into_iter().zip(left.stiff(&everywhere, v));
             both.map(|(own, other)| minus(own, &other)).collect::<Vec<_>>()
         };
