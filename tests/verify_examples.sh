@@ -105,6 +105,9 @@ named "cause: the memory has its kernel at t_n - t_j + k" prony 's/kernel\[n::-1
 named "cause: the memory leaves out the level t = 0" prony 's/^        return weights$/        weights[0] = 0\n&/'
 named "cause: the memory keeps its last term alone" prony 's/lags\[:n\] @/0 * &/'
 named "cause: the memory is of u_(j-1) in place of u_j" prony 's/lags\[:n\] @ u\[:n\]/lags[1 : n + 1] @ u[:n]/; s/operator = operator + .*/pass/'
+named "cause: the memory is of u_(j-1) in place of u_j, and u_0 before it" prony \
+    's/lags\[:n\] @ u\[:n\]/lags[1 : n + 1] @ u[:n] + lags[0] * u[0]/; s/operator = operator + .*/pass/'
+named "cause: the memory has the weight k at both ends" prony 's/^        return weights$/        weights[[0, -1]] *= 2\n&/'
 named "in place of u_j, but for the level itself" prony 's/lags\[:n\] @ u\[:n\]/lags[:n] @ u[np.maximum(np.arange(n) - 1, 0)]/'
 named "cause: the memory has twice the first weight" state-instant 's/^        return weights$/        weights[0] *= 2\n&/' --pressure
 obstacle() {

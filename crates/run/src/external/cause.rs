@@ -202,7 +202,7 @@ fn plain(q: &dyn HistoryKernel, grid: &TimeGrid, n: usize, j: usize) -> f64 {
 }
 
 /// Sums over the past that are often written in place of the right ones.
-const SUMS: [(&str, Weight); 14] = [
+const SUMS: [(&str, Weight); 16] = [
     ("is left out", |_, _, _, _, _| 0.0),
     ("has the other sign", |_, _, _, _, own| -own),
     ("is summed by the right-hand rectangle rule", |q, grid, n, j, _| match j {
@@ -219,6 +219,9 @@ const SUMS: [(&str, Weight); 14] = [
     ("has twice the first weight, k and not k/2", |_, _, _, j, own| {
         own * if j == 0 { 2.0 } else { 1.0 }
     }),
+    ("has the weight k at both ends, and not k/2", |_, _, n, j, own| {
+        own * if j == 0 || j == n { 2.0 } else { 1.0 }
+    }),
     ("has its kernel at t_n - t_j + k", |q, grid, n, j, _| match n {
         0 => 0.0,
         _ => Trapezoid.weight(grid, n, j) * q.at(grid.time(n), grid.time(j) - grid.step(n)),
@@ -226,6 +229,10 @@ const SUMS: [(&str, Weight); 14] = [
     ("is of u_(j-1) in place of u_j", |q, grid, n, j, _| match j == n {
         true => 0.0,
         false => plain(q, grid, n, j + 1),
+    }),
+    ("is of u_(j-1) in place of u_j, and u_0 before it", |q, grid, n, j, _| {
+        let first = if j == 0 { plain(q, grid, n, 0) } else { 0.0 };
+        first + if j == n { 0.0 } else { plain(q, grid, n, j + 1) }
     }),
     ("has its last weight on the level before", |q, grid, n, j, _| match n - j {
         0 => 0.0,
