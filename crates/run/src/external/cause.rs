@@ -424,7 +424,8 @@ fn of_tensors(left: &Left<'_>, offer: &mut Offer<'_>) {
         TensorField::new(of(0), (1..regions).map(of))
     };
     let lame = [(1.0, 0.0), (0.0, 1.0)].map(|(lambda, mu)| Isotropic { lambda, mu }.into());
-    for region in 0..if regions > 1 { regions } else { 0 } {
+    // One tensor on all regions, where there are several.
+    for region in (0..regions).filter(|_| regions > 1) {
         let apart = |own: &TensorField, v: &[Vec<f64>]| {
             let everywhere: TensorField = (*own.on(region)).into();
             let both = left.stiff(own, v).into_iter().zip(left.stiff(&everywhere, v));
