@@ -246,16 +246,17 @@ impl What {
         let options = self.options(resume).join(" ");
         let machine =
             Machine { jobs, memory: self.allowance.limit(), build: super::BUILD, options };
-        let kept =
-            format!("finished cases are kept in {}\ngo on with: {resuming}", self.out.display());
-        on_interrupt(format!("interrupted; {kept}"))?;
+        let kept_in = self.out.display();
+        on_interrupt(format!(
+            "interrupted; finished cases are kept in {kept_in}\ngo on with: {resuming}"
+        ))?;
         let progress = super::output::Display::new();
         match run_sweep(plans, out, &machine, resume, &progress) {
             Ok(records) => Ok((machine, records)),
             // Records are kept whatever stopped the writing.
-            Err(SweepError::Record(error @ RecordError::Io(_))) => {
-                Err(CliError::other(format!("{error}\n{kept}")))
-            }
+            Err(SweepError::Record(error @ RecordError::Io(_))) => Err(CliError::other(format!(
+                "{error}\nfinished cases are kept in {kept_in}\ngo on with: {resuming}"
+            ))),
             Err(error) => Err(error.into()),
         }
     }
