@@ -13,7 +13,7 @@ use scene::setup::{MeshData, Scheme, Setup};
 use vhi::history::{TimeGrid, TimeRule, Trapezoid};
 use vhi::law::{Convolution, FourthOrder, HistoryKernel, Isotropic, Projection, TensorField};
 
-use super::left::Left;
+use super::left::{Left, added};
 use super::touch::of_contact;
 use judge::verdict::{Cause, Explanation};
 
@@ -70,7 +70,7 @@ pub fn cause_of(
         left.histories.push(view.history.to_vec());
         left.kappa.push(view.kappa);
         left.norms.push(view.strain_norm);
-        left.loads.push(load);
+        left.loads.push(load.to_vec());
         let sum = view.compliance.iter().zip(view.multiplier).map(|(xi, lambda)| xi + lambda);
         left.pressures.push(sum.collect());
         Ok(())
@@ -121,9 +121,7 @@ type Offer<'o> = dyn FnMut(Cause, bool, &[Vec<Vec<f64>>], &dyn Fn(&[f64]) -> Str
 fn of_body(left: &Left<'_>, off: &[f64]) -> Explanation {
     let residual = left.long(&left.balance);
     // Beside an answer near zero everything is small, and any load fits.
-    let loads: Vec<Vec<f64>> = left.loads.iter().map(|load| load.to_vec()).collect();
-    let inner: Vec<f64> =
-        residual.iter().zip(left.long(&loads)).map(|(left, load)| left + load).collect();
+    let inner = left.long(&added(left.balance.clone(), 1.0, &left.loads));
     let size = norm(&residual).min(norm(&inner));
     let mut best: Option<(f64, f64, Cause, String)> = None;
     // A factor that is free has to explain ten times as much.
@@ -267,14 +265,10 @@ fn of_past(left: &Left<'_>, offer: &mut Offer<'_>) {
     let (model, grid, rule) = (&left.setup.model, &left.grid, &*left.setup.model.time_rule);
     let levels = 0..left.u.len();
     let projected = left.projected(&left.kappa, false);
-    let from = |mut own: Vec<Vec<f64>>, other: &[Vec<f64>], sign: f64| {
-        own.iter_mut().zip(other).for_each(|(own, other)| axpy(sign, other, own));
-        own
-    };
     let by_zeta = |zeta: &dyn Fn(usize) -> f64| {
         let limit = model.projection.limit()?;
         let kappa: Vec<f64> = levels.clone().map(|n| limit.value(zeta(n))).collect();
-        Some(from(projected.clone(), &left.projected(&kappa, false), -1.0))
+        Some(added(projected.clone(), -1.0, &left.projected(&kappa, false)))
     };
     let summed = |n: usize, weight: &dyn Fn(usize) -> f64| {
         (0..=n).map(|j| weight(j) * left.norms[j]).sum::<f64>()
@@ -294,7 +288,7 @@ fn of_past(left: &Left<'_>, offer: &mut Offer<'_>) {
         let memory = left.remembered(&levels.clone().map(of_level).collect::<Vec<_>>());
         let other = |n: usize| summed(n, &|j| sum(&One, grid, n, j, rule.weight(grid, n, j)));
         if let Some(zeta) = by_zeta(&other) {
-            let both = from(memory.clone(), &zeta, 1.0);
+            let both = added(memory.clone(), 1.0, &zeta);
             offer(Cause::Projection, true, &[zeta], &|_| format!("zeta {name}"));
             offer(Cause::Memory, true, &[both], &|_| format!("the memory, and zeta, {name}"));
         }
@@ -305,7 +299,7 @@ fn of_past(left: &Left<'_>, offer: &mut Offer<'_>) {
     }
     if let Some(column) = by_zeta(&|n| summed(n, &|j| rule.weight(grid, n, j) * left.norms[j])) {
         offer(Cause::Projection, true, &[column], &|_| "zeta sums squares of norms".into());
-        let whole = from(projected.clone(), &left.projected(&left.kappa, true), -1.0);
+        let whole = added(projected.clone(), -1.0, &left.projected(&left.kappa, true));
         let says = "the projection is of the strain, not of its deviator";
         offer(Cause::Projection, true, &[whole], &|_| says.into());
         offer(Cause::Projection, true, &[projected], &|_| "the projection is left out".into());
@@ -315,7 +309,7 @@ fn of_past(left: &Left<'_>, offer: &mut Offer<'_>) {
 }
 
 fn of_loads(left: &Left<'_>, offer: &mut Offer<'_>) {
-    let loads: Vec<Vec<f64>> = left.loads.iter().map(|load| load.to_vec()).collect();
+    let loads = left.loads.clone();
     let late = |n: usize| minus(loads[n.saturating_sub(1)].clone(), &loads[n]);
     let column = [(0..loads.len()).map(late).collect()];
     offer(Cause::Loads, true, &column, &|_| "the loads are those of the level before".into());
@@ -352,9 +346,6 @@ fn of_assembly(left: &Left<'_>, offer: &mut Offer<'_>) {
         };
         all.iter().map(assembled).collect()
     };
-    let apart = |of: Vec<Vec<f64>>, from: &[Vec<f64>]| -> Vec<Vec<f64>> {
-        of.into_iter().zip(from).map(|(of, from)| minus(of, from)).collect()
-    };
     let body = |densities: &mut Densities| densities.traction.fill(0.0);
     let traction = |densities: &mut Densities| densities.body.fill(0.0);
     let mesh = &space.mesh;
@@ -383,7 +374,7 @@ fn of_assembly(left: &Left<'_>, offer: &mut Offer<'_>) {
         ("facets", by(true, &traction), parts[1].1.clone()),
     ];
     for (which, flat, full) in lumped {
-        offer(Cause::Loads, true, &[apart(flat, &full)], &|_| {
+        offer(Cause::Loads, true, &[added(flat, -1.0, &full)], &|_| {
             format!(
                 "the loads are lumped: {which} give equal shares to their nodes, as a rule of one point does"
             )
@@ -391,7 +382,7 @@ fn of_assembly(left: &Left<'_>, offer: &mut Offer<'_>) {
     }
     let whole = by(false, &|_| ());
     let mut weighed = |says: String, weights: &dyn Fn(&mut Densities)| {
-        let column = apart(by(false, weights), &whole);
+        let column = added(by(false, weights), -1.0, &whole);
         offer(Cause::Loads, true, &[column], &|_| says.clone());
     };
     weighed("the loads: the points of a rule have equal weights".into(), &|densities| {
@@ -426,18 +417,15 @@ fn of_tensors(left: &Left<'_>, offer: &mut Offer<'_>) {
     let lame = [(1.0, 0.0), (0.0, 1.0)].map(|(lambda, mu)| Isotropic { lambda, mu }.into());
     // One tensor on all regions, where there are several.
     for region in (0..regions).filter(|_| regions > 1) {
-        let apart = |own: &TensorField, v: &[Vec<f64>]| {
-            let everywhere: TensorField = (*own.on(region)).into();
-            let both = left.stiff(own, v).into_iter().zip(left.stiff(&everywhere, v));
-            both.map(|(own, other)| minus(own, &other)).collect::<Vec<_>>()
-        };
-        let elastic = apart(&model.elasticity, &left.u);
-        let mut whole = elastic.clone();
-        for (i, term) in model.memory.iter().enumerate() {
-            let sums: Vec<Vec<f64>> = left.histories.iter().map(|sums| sums[i].clone()).collect();
-            let parts = apart(&term.tensor, &sums);
-            whole.iter_mut().zip(&parts).for_each(|(force, part)| axpy(1.0, part, force));
-        }
+        let everywhere = |own: &TensorField| TensorField::from(*own.on(region));
+        let elastic = left.stiff(&everywhere(&model.elasticity), &left.u);
+        let elastic = added(left.stiff(&model.elasticity, &left.u), -1.0, &elastic);
+        let memory = added(
+            left.remembered(&left.histories),
+            -1.0,
+            &left.remembered_by(&everywhere, &left.histories),
+        );
+        let whole = added(memory, 1.0, &elastic);
         for (column, which) in [(elastic, "elasticity"), (whole, "elasticity and memory")] {
             offer(Cause::Elasticity, true, &[column], &|_| {
                 format!("all regions have the {which} of region {region} of cells.csv")

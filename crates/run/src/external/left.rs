@@ -1,7 +1,5 @@
 //! What the answer of a solver to a case leaves of the discrete equations, and what its terms are.
 
-use std::sync::Arc;
-
 use algebra::in_dimension;
 use algebra::linalg::axpy;
 use algebra::tensor::{Symmetric, norm};
@@ -9,6 +7,12 @@ use fem::contact::stress_force;
 use scene::setup::{MeshData, Setup};
 use vhi::history::TimeGrid;
 use vhi::law::{Projection, TensorField};
+
+/// The sum of forces by levels, the others times a factor.
+pub(super) fn added(mut own: Vec<Vec<f64>>, factor: f64, others: &[Vec<f64>]) -> Vec<Vec<f64>> {
+    own.iter_mut().zip(others).for_each(|(own, other)| axpy(factor, other, own));
+    own
+}
 
 /// The answer of a solver to a case, and what it leaves.
 pub(super) struct Left<'a> {
@@ -26,7 +30,7 @@ pub(super) struct Left<'a> {
     pub(super) histories: Vec<Vec<Vec<f64>>>,
     pub(super) kappa: Vec<f64>,
     pub(super) norms: Vec<f64>,
-    pub(super) loads: Vec<Arc<Vec<f64>>>,
+    pub(super) loads: Vec<Vec<f64>>,
     /// Rows that no force of contact reaches.
     pub(super) rows: Vec<usize>,
 }
@@ -56,13 +60,20 @@ impl Left<'_> {
 
     /// The forces of sums over the past by levels, a sum a term.
     pub(super) fn remembered(&self, sums: &[Vec<Vec<f64>>]) -> Vec<Vec<f64>> {
-        let mut forces = vec![vec![0.0; self.data.space.dofs()]; sums.len()];
-        for (i, term) in self.setup.model.memory.iter().enumerate() {
+        self.remembered_by(&TensorField::clone, sums)
+    }
+
+    /// The same with other tensors in the place of the terms' own.
+    pub(super) fn remembered_by(
+        &self,
+        tensor: &dyn Fn(&TensorField) -> TensorField,
+        sums: &[Vec<Vec<f64>>],
+    ) -> Vec<Vec<f64>> {
+        let none = vec![vec![0.0; self.data.space.dofs()]; sums.len()];
+        self.setup.model.memory.iter().enumerate().fold(none, |forces, (i, term)| {
             let of_term: Vec<Vec<f64>> = sums.iter().map(|sums| sums[i].clone()).collect();
-            let parts = self.stiff(&term.tensor, &of_term);
-            forces.iter_mut().zip(&parts).for_each(|(force, part)| axpy(1.0, part, force));
-        }
-        forces
+            added(forces, 1.0, &self.stiff(&tensor(&term.tensor), &of_term))
+        })
     }
 
     /// The forces of the projection by levels for other limits; of the `whole` strain in place of its deviator.
