@@ -13,7 +13,7 @@ use super::output::print_error;
 use super::swept::{announce, in_file, on_github};
 use super::{CliError, print_json, print_text};
 use clap::Args;
-use files::{FileError, read_at_most, up_to, write_named};
+use files::{FileError, read_at_most, same_file, up_to, write_named};
 use judge::fit::{Claim, Direction, Known, Point, TOLERANCE, deviation, path};
 use judge::record::V_TIME_MAX;
 use judge::table::{Group, Quantity, Reading, Row, Tables, named, read};
@@ -403,11 +403,6 @@ fn judged(
     }
     found.texts.extend(tables.said.iter().cloned());
     Ok(found)
-}
-
-/// Whether two paths are one file that exists.
-fn same_file(a: &Path, b: &Path) -> bool {
-    matches!((a.canonicalize(), b.canonicalize()), (Ok(a), Ok(b)) if a == b)
 }
 
 /// What a suite and a test of JUnit are called: the file or the scene in it, and the norm.

@@ -1,7 +1,7 @@
 //! `sweep merge`: merges the records of many processes and judges them like those of one; `sweep baseline` records errors
 //! and work.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use super::machine::Allowance;
 use super::run::{BASELINE, LATEST, What, recorded};
@@ -9,7 +9,7 @@ use super::scenes::Chosen;
 use super::swept::Swept;
 use super::{CliError, Scenes, print_json, print_text};
 use clap::Args;
-use files::counted;
+use files::{counted, same_file};
 use judge::record::write_sorted;
 use judge::verdict::{Baseline, exit_code, write_json};
 use run::merge::{Merged, Parts, read_keys};
@@ -77,9 +77,7 @@ impl MergeCommand {
 
     /// Refuses to overwrite its input.
     fn apart(&self, parts: &Parts) -> Result<(), CliError> {
-        let place = |path: &Path| path.canonicalize().ok();
-        let target = place(&self.out);
-        let same = parts.dirs.iter().find(|dir| place(dir) == target);
+        let same = parts.dirs.iter().find(|dir| same_file(dir, &self.out));
         let what = "the merged records would replace those that are merged; choose another --out";
         same.map_or(Ok(()), |dir| Err(CliError::about(dir.display(), what)))
     }

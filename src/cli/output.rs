@@ -5,7 +5,7 @@ use std::sync::{Mutex, MutexGuard, OnceLock, PoisonError};
 use std::time::Instant;
 
 use super::CliError;
-use files::{counted, harmless, harmless_json};
+use files::{counted, harmless, harmless_json, without_digits};
 use indicatif::{ProgressBar, ProgressStyle};
 use judge::record::{CaseRecord, Status};
 use judge::verdict::Verdict;
@@ -218,7 +218,7 @@ impl State {
 
     /// A failure in words; a reason that is repeated, but for its numbers, is omitted.
     fn failed(&mut self, reason: &str) -> String {
-        let said = Some(reason.replace(|c: char| c.is_ascii_digit(), ""));
+        let said = Some(without_digits(reason));
         if self.reason == said {
             return "failed for the same reason".into();
         }

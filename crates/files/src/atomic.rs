@@ -95,6 +95,11 @@ fn finished(file: io::Result<Replacement>, bytes: &[u8]) -> io::Result<()> {
     file.finish()
 }
 
+/// Whether two paths are one file or directory, which exists.
+pub fn same_file(a: &Path, b: &Path) -> bool {
+    matches!((fs::canonicalize(a), fs::canonicalize(b)), (Ok(a), Ok(b)) if a == b)
+}
+
 /// Removes a file, or a link but not its target, if it exists.
 pub fn remove_if_there(path: &Path) -> Result<(), FileError> {
     if_there(fs::remove_file(path).map_err(FileError::at(path))).map(|_| ())

@@ -9,9 +9,11 @@ mod hash;
 mod listed;
 mod quoted;
 
-pub use atomic::{Replacement, make_directory, remove_if_there, replace_file, write_named};
+pub use atomic::{
+    Replacement, make_directory, remove_if_there, replace_file, same_file, write_named,
+};
 pub use bounded::{open_file, read_at_most, read_file, read_file_up_to, read_text, up_to};
-pub use counted::{counted, digits, megabytes};
+pub use counted::{counted, digits, megabytes, without_digits};
 pub use error::{FileError, if_there};
 pub use foreign::{harmless, harmless_json, shortened};
 pub use hash::fnv_1a;

@@ -1,5 +1,6 @@
 //! Judges one prediction from records.
 
+use files::without_digits;
 use std::collections::BTreeMap;
 
 use super::constants::{ConstantComparison, compare_constant, correction, refined};
@@ -128,10 +129,7 @@ const NAMED_GAPS: usize = 3;
 
 /// Gaps by place; a reason shared by several cases, but for its numbers, is stated once.
 fn gaps_in_words(gaps: &[String]) -> String {
-    let reason = |gap: &str| {
-        let (_, reason) = gap.split_once(" failed: ")?;
-        Some(reason.replace(|c: char| c.is_ascii_digit(), ""))
-    };
+    let reason = |gap: &str| gap.split_once(" failed: ").map(|(_, reason)| without_digits(reason));
     let mut said: Vec<(&String, Option<String>, usize)> = Vec::new();
     for gap in gaps {
         let shared = reason(gap);
