@@ -509,28 +509,27 @@ pub(super) fn quantity(
     let (mut shift, mut width, mut reason) = (0.0, 0.0, None);
     for (i, step) in ["h", "k"].into_iter().enumerate() {
         let Some(formal) = formal[i] else { continue };
-        let refused = match triples[i] {
-            Some(Triple::Converging { order, .. }) if order >= LEAST_ORDER => {
-                let [_, middle, fine] = values[i].unwrap_or([value; 3]);
+        let refused = match values[i].zip(triples[i]) {
+            Some(([_, middle, fine], Triple::Converging { order, .. })) if order >= LEAST_ORDER => {
                 let counts = order.max(0.5).min(formal);
-                let correction = (fine - middle) / (2f64.powf(counts) - 1.0);
+                let correction = factors(counts, Alignment::Aligned)[0] * (fine - middle);
                 let as_formal = (order - formal).abs() <= AS_FORMAL * formal;
                 shift += correction;
                 width += SAFETY[usize::from(!as_formal)] * correction.abs();
                 continue;
             }
             // No order, but no further away than the values are from each other.
-            Some(Triple::Oscillating { half_range }) => {
+            Some((_, Triple::Oscillating { half_range })) => {
                 width += 2.0 * half_range;
                 continue;
             }
             // A place on the mesh moves by whole cells.
-            Some(Triple::Stationary) if step == "h" && value != 0.0 => {
+            Some((_, Triple::Stationary)) if step == "h" && value != 0.0 => {
                 "the same on all three meshes: a constraint, or a place that moves by whole cells"
                     .into()
             }
-            Some(Triple::Stationary) => continue,
-            Some(Triple::Converging { order, .. } | Triple::Diverging { order }) => {
+            Some((_, Triple::Stationary)) => continue,
+            Some((_, Triple::Converging { order, .. } | Triple::Diverging { order })) => {
                 format!("pre-asymptotic in {step}: order {order:.2}")
             }
             None => format!("no companions in {step}"),
