@@ -14,7 +14,7 @@ use super::source::Result;
 use super::time::Time;
 
 /// Kinds of a bound with their keys.
-const BOUNDS: [(&str, &str); 2] = [("slip", "points"), ("coulomb", "coefficient")];
+pub(crate) const BOUNDS: [(&str, &str); 2] = [("slip", "points"), ("coulomb", "coefficient")];
 
 /// Friction on Γ3.
 #[derive(Debug, Clone, PartialEq)]

@@ -9,7 +9,7 @@ use formula::Node;
 use vhi::law::Curve;
 
 /// The kinds of law with their keys; docs/CONTACT-LAWS.md explains them.
-const LAWS: [(&str, &str); 6] = [
+pub(crate) const LAWS: [(&str, &str); 6] = [
     ("none", ""),
     ("linear", "stiffness scale"),
     ("piecewise-linear", "points slope_before slope_after scale"),

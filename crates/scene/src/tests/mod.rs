@@ -2,6 +2,7 @@
 
 mod accepted;
 mod good;
+mod kinds;
 mod laws;
 mod malformed;
 mod mesh_files;
