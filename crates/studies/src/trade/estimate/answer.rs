@@ -63,7 +63,7 @@ pub fn estimate(
     document.rows(
         "Quantities at t = T.",
         &json!(found.quantities),
-        "quantity = name; >value = value 6; >off by some = uncertainty 2; >limit = extrapolated 6; \
+        "quantity = name; >value = value 6; >off by about = uncertainty 2; >limit = extrapolated 6; \
          >order in h = orders/0 3; >in k = orders/1 3; unknown because = reason",
     );
     match &found.bound {
