@@ -4,7 +4,7 @@ use std::fmt;
 
 use serde::{Serialize, Serializer};
 
-use crate::fit::Decision;
+use fit::Decision;
 
 /// What is claimed, wherever it is looked at.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]

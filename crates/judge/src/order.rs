@@ -1,6 +1,6 @@
 //! The order of a ladder in three lines: errors in, a prediction, a verdict out.
 
-use crate::fit::{Claim, ClaimError, FitError, Known, Level, LevelError, Posterior, Ruling, infer};
+use fit::{Claim, ClaimError, FitError, Known, Level, LevelError, Posterior, Ruling, infer};
 
 /// Errors on a ladder of steps, and what is known of them.
 #[derive(Debug, Clone, PartialEq)]
@@ -80,8 +80,7 @@ impl Order {
     #[must_use]
     pub fn predicted(self, order: f64) -> Predicted {
         let log = self.known.log;
-        let claim =
-            Claim { order, at_least: false, exact: false, tolerance: crate::fit::TOLERANCE, log };
+        let claim = Claim { order, at_least: false, exact: false, tolerance: fit::TOLERANCE, log };
         Predicted { order: self, claim }
     }
 }
@@ -121,7 +120,7 @@ impl Predicted {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::fit::Decision;
+    use fit::Decision;
 
     /// e = h² (1 + h/3).
     const SECOND: [(f64, f64); 4] = [

@@ -11,6 +11,7 @@ mod row;
 use std::path::PathBuf;
 
 use files::{FileError, counted};
+use fit::is_magnitude;
 use serde::{Deserialize, Serialize};
 
 pub use columns::COLUMNS;
@@ -169,11 +170,6 @@ impl CaseRecord {
     pub fn converged(&self) -> bool {
         self.status == Status::Converged
     }
-}
-
-/// Whether a number can be an error or a floor.
-pub(crate) fn is_magnitude(value: f64) -> bool {
-    value.is_finite() && value >= 0.0
 }
 
 /// Why records could not be written or read.

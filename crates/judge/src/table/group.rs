@@ -1,6 +1,6 @@
 //! The rows of one scene and norm; several runs at one level count as one point with a standard deviation.
 
-use crate::fit::{Direction, Point, same_level};
+use fit::{Direction, Point, same_level};
 
 /// Why a text is no table.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]

@@ -6,7 +6,7 @@ use super::columns::Columns;
 use super::line::{Block, Cells};
 use super::text::{is_table, known, readings};
 use super::{Group, Quantity, Reading, Row, TableError};
-use crate::fit::{Direction, Point, deviation, is_step, screen};
+use fit::{Direction, Point, deviation, is_step, screen};
 
 /// More lines are no table of a study.
 const MOST_LINES: usize = 1_100_000;

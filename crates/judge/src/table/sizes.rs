@@ -4,7 +4,7 @@ use super::TableError;
 use super::cell::{Measure, Role, is_missing, is_rate, normal, sides};
 use super::columns::{Measured, Reader, Size};
 use super::line::{Cells, evenly};
-use crate::fit::is_step;
+use fit::is_step;
 
 /// How far the ratio of two columns of sizes may differ from row to row: printed with two digits, each is off by half
 /// as much.

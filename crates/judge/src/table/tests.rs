@@ -1,7 +1,7 @@
 //! Tables of several origins.
 
 use super::*;
-use crate::fit::Direction;
+use fit::Direction;
 
 fn tables(text: &str, dimension: Option<u32>) -> Result<Tables, String> {
     read(text.as_bytes(), &Reading { dimension, ..Reading::default() })
@@ -14,8 +14,7 @@ fn groups(text: &str) -> Vec<Group> {
 
 fn plain(text: &str, dimension: Option<u32>) -> Vec<(String, Vec<(f64, f64)>)> {
     let groups = tables(text, dimension).unwrap().groups;
-    let pair =
-        |point: crate::fit::Point| (if point.h.is_nan() { point.k } else { point.h }, point.error);
+    let pair = |point: fit::Point| (if point.h.is_nan() { point.k } else { point.h }, point.error);
     let all = |group: &Group| group.points().into_iter().map(pair).collect();
     groups.iter().map(|group| (group.norm.clone().unwrap_or_default(), all(group))).collect()
 }

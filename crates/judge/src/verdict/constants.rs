@@ -3,8 +3,8 @@
 use serde::{Deserialize, Serialize};
 
 use super::selection::JudgedPoint;
-use super::{Decision, FittedConstant, MeshAndSteps, Prediction, Variable};
-use crate::fit::{Correction, Direction, FEWEST, Sample, constant_under, local_slopes};
+use super::{FittedConstant, MeshAndSteps, Prediction, Variable};
+use fit::{Correction, Decision, Direction, FEWEST, Sample, constant_under, local_slopes};
 
 /// Leading error of a sound scheme on one case.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]

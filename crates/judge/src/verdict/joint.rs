@@ -5,9 +5,10 @@ use std::collections::BTreeMap;
 use super::next::next_case;
 use super::ruling::{claim, with_help};
 use super::selection::Selection;
-use super::{Decision, FittedConstant, MeshAndSteps, Prediction, Verdict};
-use crate::fit::{
-    Direction, ErrorCombination, GridPosterior, Posterior, fit_constants, infer_grid, joint_fits,
+use super::{FittedConstant, MeshAndSteps, Prediction, Verdict};
+use fit::{
+    Decision, Direction, ErrorCombination, GridPosterior, Posterior, fit_constants, infer_grid,
+    joint_fits,
 };
 
 /// Passes if both orders pass, fails if one fails.

@@ -9,14 +9,14 @@ use super::next::{Next, next_case};
 use super::ruling::{claim, with_help};
 use super::selection::{Cases, JudgedPoint, Selection};
 use super::{
-    ConstantClaim, Decision, FittedConstant, FloorSource, Foreseen, LeadingLine, MeshAndSteps,
-    Prediction, Variable, Verdict,
-};
-use crate::fit::{
-    Direction, Exclusion, Known, LARGEST_OTHER_SHARE, LineReading, Point, Sample, TOLERANCE,
-    constant_under, joint_fits, screen, zeros_in_words,
+    ConstantClaim, FittedConstant, FloorSource, Foreseen, LeadingLine, MeshAndSteps, Prediction,
+    Variable, Verdict,
 };
 use crate::record::{CaseRecord, Key, V_TIME_MAX};
+use fit::{
+    Decision, Direction, Exclusion, Known, LARGEST_OTHER_SHARE, LineReading, Point, Sample,
+    TOLERANCE, constant_under, joint_fits, screen, zeros_in_words,
+};
 
 /// Judges a prediction for a scene. Every expected case has to be there, converged and with a finite error; else the
 /// verdict is `fail` and names the gaps.

@@ -4,8 +4,9 @@ use std::collections::BTreeMap;
 
 use serde::Serialize;
 
-use super::{Decision, FittedConstant, Foreseen, JudgedPoint, MeshAndSteps, Prediction, Variable};
+use super::{FittedConstant, Foreseen, JudgedPoint, MeshAndSteps, Prediction, Variable};
 use crate::record::{CaseRecord, Status};
+use fit::Decision;
 
 /// What is said of a constant, apart from the order.
 #[derive(Debug, Clone, PartialEq, Serialize)]

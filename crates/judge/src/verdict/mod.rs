@@ -14,7 +14,6 @@ mod ruling;
 mod selection;
 mod table;
 
-pub use crate::fit::Decision;
 pub use baseline::{
     Baseline, BaselineError, ComparedRun, Comparison, Deviation, DeviationKind, Owed, Owing,
     Recorded, RecordedCase,
@@ -24,6 +23,7 @@ pub use document::{
     Cause, DocumentError, Earlier, Explanation, Failure, document, failures, read_earlier,
     restore_reasons, write_json,
 };
+pub use fit::Decision;
 pub use fitted_constant::FittedConstant;
 pub use judge::{judge, judge_foreseen};
 pub use judged::{ConstantClaim, Verdict, exit_code};

@@ -2,7 +2,7 @@
 
 use super::selection::{JudgedPoint, Selection, inside};
 use super::{MeshAndSteps, Prediction, Variable};
-use crate::fit::Direction;
+use fit::Direction;
 
 /// Cases that would help, with their description. Without such cases the words say what would help.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -126,7 +126,7 @@ fn coarser(first: u32, second: Option<u32>) -> Option<u32> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::fit::Point;
+    use fit::Point;
 
     #[test]
     fn levels_continue_as_they_went() {

@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::MeshAndSteps;
-use crate::fit::Direction;
+use fit::Direction;
 
 /// What is refined.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]

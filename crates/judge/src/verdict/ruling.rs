@@ -1,7 +1,7 @@
 //! What a prediction claims, and what would help an open ruling.
 
-use super::{Decision, Prediction};
-use crate::fit::{Claim, Ruling, TOLERANCE};
+use super::Prediction;
+use fit::{Claim, Decision, Ruling, TOLERANCE};
 
 /// A reason and, if the ruling is open, what would help.
 pub(super) fn with_help(reason: String, ruling: &Ruling, next: &str) -> String {

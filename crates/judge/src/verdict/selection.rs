@@ -5,8 +5,8 @@ use std::collections::{BTreeMap, BTreeSet};
 use serde::Serialize;
 
 use super::{MeshAndSteps, Prediction, Variable};
-use crate::fit::{Direction, LevelError, Point, is_step, screen};
 use crate::record::{CaseRecord, Key, Status};
+use fit::{Direction, LevelError, Point, is_step, screen};
 
 /// A point on the line or grid of a prediction.
 #[derive(Debug, Clone, PartialEq, Serialize)]

@@ -1,6 +1,7 @@
 //! A verdict in the cells of a table.
 
-use super::{Decision, Verdict};
+use super::Verdict;
+use fit::Decision;
 
 /// The cells of a verdict: scene, norm, in, predicted, observed, verdict, why.
 pub fn cell_texts(verdict: &Verdict) -> [String; 7] {

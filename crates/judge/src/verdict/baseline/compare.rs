@@ -7,7 +7,8 @@ use serde::Serialize;
 use super::tolerance::{REPEATED_WITHIN, in_percent};
 use super::{Baseline, Owing, RecordedCase};
 use crate::record::{CaseRecord, Key, Status};
-use crate::verdict::{Decision, Variable, Verdict};
+use crate::verdict::{Variable, Verdict};
+use fit::Decision;
 
 /// Share or number by which work may grow: an iteration more in a few steps is rounding.
 const WORK_SHARE: f64 = 0.10;

@@ -3,7 +3,8 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::verdict::{Decision, Variable, Verdict};
+use crate::verdict::{Variable, Verdict};
+use fit::Decision;
 
 /// A verdict that is owed.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]

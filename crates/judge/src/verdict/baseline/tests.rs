@@ -1,7 +1,7 @@
 use super::tolerance::in_percent;
 use super::*;
 use crate::record::{Key, Status, V_MAX};
-use crate::verdict::Decision;
+use fit::Decision;
 
 fn record(steps: u32, error: f64) -> CaseRecord {
     CaseRecord {

@@ -1,7 +1,7 @@
 //! Constants of known tables against right and wrong leading errors.
 
 use super::*;
-use crate::fit::Point;
+use fit::Point;
 
 fn constant() -> FittedConstant {
     FittedConstant::fitted(5.0, [4.9, 5.1], 2.0)

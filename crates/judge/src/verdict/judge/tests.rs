@@ -1,10 +1,10 @@
 use super::*;
-use crate::fit::{Claim, Correction, Point};
 use crate::record::{Key, NormError, Status, V_MAX};
 use crate::verdict::{
     Failure, ForeseenConstant, LeadingPoint, MeshAndSteps, cell_texts, exit_code, failures,
     read_earlier, restore_reasons, write_json,
 };
+use fit::{Claim, Correction, Point};
 
 fn record(point: Point) -> CaseRecord {
     let (n, steps) = ((1.0 / point.h).round() as u32, (1.0 / point.k).round() as u32);
@@ -252,7 +252,7 @@ fn tables_of_slopes_get_what_a_person_says() {
         slopes.iter().for_each(|slope| errors.push(errors[errors.len() - 1] * 0.5f64.powf(*slope)));
         let table: Vec<(f64, f64)> =
             (0..).zip(&errors).map(|(i, error)| (0.5f64.powi(i), *error)).collect();
-        let posterior = crate::fit::order(&table).expect("an order");
+        let posterior = fit::order(&table).expect("an order");
         posterior.decide(&Claim::new(order).expect("a claim")).decision
     };
     let falling = [1.07, 0.98, 0.92, 0.89, 0.88, 0.87, 0.864];

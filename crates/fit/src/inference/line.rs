@@ -2,7 +2,7 @@
 
 use super::told::up_to;
 use super::{Known, NOISES, Posterior, infer_at};
-use crate::fit::{Direction, FitError, Level, Point, Sample, deviation, samples, screen};
+use crate::{Direction, FitError, Level, Point, Sample, deviation, samples, screen};
 
 /// The levels of a line that serve, and what they say of the order.
 #[derive(Debug, Clone)]

@@ -77,7 +77,7 @@ fn damped_step(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::fit::linear_fit;
+    use crate::linear_fit;
 
     #[test]
     fn rosenbrock_is_solved() {

@@ -3,7 +3,7 @@
 use std::cmp::Ordering;
 
 use super::{FEWEST, Mixture, Posterior, SAME};
-use crate::fit::{Decision, FitError, power_of_log};
+use crate::{Decision, FitError, power_of_log};
 
 /// Default distance of an order from the claim.
 pub const TOLERANCE: f64 = 0.15;
@@ -128,7 +128,7 @@ pub struct Ruling {
 
 impl Ruling {
     /// Whether a further level would help.
-    pub(crate) fn is_helped(&self) -> bool {
+    pub fn is_helped(&self) -> bool {
         self.decision == Decision::Unresolved && !self.too_high && !self.unexplained
     }
 }
@@ -394,12 +394,12 @@ impl Posterior {
     }
 
     /// Whether nobody has said what the errors are measured against.
-    pub(in crate::fit) fn may_have_a_reference(&self) -> bool {
+    pub(crate) fn may_have_a_reference(&self) -> bool {
         self.trend.may_have_a_reference
     }
 
     /// Whether a floor is not to be ignored.
-    pub(in crate::fit) fn may_have_a_floor(&self) -> bool {
+    pub(crate) fn may_have_a_floor(&self) -> bool {
         self.floor >= FLOOR[0]
     }
 

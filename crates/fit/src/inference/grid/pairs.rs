@@ -5,7 +5,7 @@
 
 use nalgebra::{DMatrix, Matrix2, Vector2};
 
-use crate::fit::Point;
+use crate::Point;
 
 pub(super) const STEP: f64 = 0.05;
 pub(super) const ORDERS: usize = 160;
@@ -257,7 +257,7 @@ fn log_sum(a: f64, b: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::fit::inference::grid::NOISE;
+    use crate::inference::grid::NOISE;
 
     fn grid(error: impl Fn(f64, f64) -> f64) -> Vec<Point> {
         let step = |i: i32| 0.125 * 0.5f64.powi(i);

@@ -9,9 +9,9 @@ mod pairs;
 use super::mixture::Mixture;
 use super::told::up_to;
 use super::{Doubts, Interval, NOISES, Posterior, Trend};
-use crate::fit::identifiable::{LEVELS, check_levels};
-use crate::fit::level::{deviation, foreign, is_step};
-use crate::fit::{NotIdentifiable, Point, joint_fits, screen};
+use crate::identifiable::{LEVELS, check_levels};
+use crate::level::{deviation, foreign, is_step};
+use crate::{NotIdentifiable, Point, joint_fits, screen};
 use pairs::{ORDERS, PairSums, STEP, order};
 
 /// Relative noise of E, with weights.
@@ -118,8 +118,8 @@ fn marginal(weights: Vec<f64>) -> Posterior {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::fit::Claim;
-    use crate::fit::Decision;
+    use crate::Claim;
+    use crate::Decision;
 
     fn grid(levels: u32, mut error: impl FnMut(f64, f64) -> f64) -> Vec<Point> {
         let step = |i: u32| 0.125 / f64::from(1 << i);

@@ -127,7 +127,7 @@ fn correlation(points: &[Point]) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::fit::{ErrorCombination, FittedValue, Interval};
+    use crate::{ErrorCombination, FittedValue, Interval};
 
     fn on(pairs: &[(f64, f64)]) -> Vec<Point> {
         pairs.iter().map(|&(h, k)| Point { h, k, error: 1.0, floor: 0.0 }).collect()

@@ -22,7 +22,7 @@ pub enum Exclusion {
 
 impl Exclusion {
     /// Whether the point is invalid, not only too small.
-    pub(crate) fn is_broken(self) -> bool {
+    pub fn is_broken(self) -> bool {
         matches!(self, Self::Broken(_))
     }
 }

@@ -1,5 +1,5 @@
 use super::*;
-use crate::fit::Direction;
+use crate::Direction;
 
 fn grid(levels: i32, error: impl Fn(f64, f64) -> f64) -> Vec<Point> {
     let step = |level: i32| 0.125 * 0.5f64.powi(level);

@@ -3,7 +3,6 @@
 use files::counted;
 
 use super::{Direction, Exclusion, FLOORS_ABOVE, Interval, Point};
-use crate::record::is_magnitude;
 
 /// Largest relative standard deviation of an error. An error that is known to a factor of e^10 is not known; the sums of
 /// the evidence overflow only far beyond.
@@ -81,8 +80,13 @@ impl Level {
     }
 }
 
-/// Whether a step is one.
-pub(crate) fn is_step(step: f64) -> bool {
+/// Whether a number can be an error or a floor.
+pub fn is_magnitude(value: f64) -> bool {
+    value.is_finite() && value >= 0.0
+}
+
+/// Whether a number can be a step.
+pub fn is_step(step: f64) -> bool {
     step.is_finite() && step > 0.0
 }
 

@@ -6,7 +6,7 @@
 
 use super::claim::{NOTHING, REFUTED};
 use super::{Posterior, Ruling};
-use crate::fit::Decision;
+use crate::Decision;
 
 /// Fewest levels.
 const LEVELS: usize = 4;
@@ -66,7 +66,7 @@ impl Posterior {
 
 #[cfg(test)]
 mod tests {
-    use crate::fit::{Decision, order};
+    use crate::{Decision, order};
 
     /// e = F + (1 - F) h^p on these steps.
     fn on(steps: &[f64], floor: f64, p: f64) -> Decision {

@@ -2,7 +2,7 @@
 
 use super::classes::{KINDS, draw};
 use super::{CLASSES, Claim, Known, Random, infer, level, table};
-use crate::fit::{Decision, Level, Posterior};
+use crate::{Decision, Level, Posterior};
 
 const TABLES: u64 = 1000;
 

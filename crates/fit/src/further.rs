@@ -112,8 +112,8 @@ mod tests {
     #[test]
     fn slopes_of_differences_from_a_run_and_of_a_floor_ask_for_what_somebody_knows() {
         let advice = |table: &[(f64, f64)]| {
-            let found = crate::fit::order(table).expect("an order");
-            let ruling = found.decide(&crate::fit::Claim::new(1.0).expect("a claim"));
+            let found = crate::order(table).expect("an order");
+            let ruling = found.decide(&crate::Claim::new(1.0).expect("a claim"));
             found.help(&ruling, Further::without_steps("run it")).expect("advice").text
         };
         let table: Vec<(f64, f64)> =

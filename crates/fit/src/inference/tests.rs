@@ -9,7 +9,7 @@ use std::rc::Rc;
 
 use super::line::infer;
 use super::{Claim, ClaimError, Known, Posterior, TOLERANCE};
-use crate::fit::{Decision, FitError, Level, LevelError, student_quantile};
+use crate::{Decision, FitError, Level, LevelError, student_quantile};
 
 mod classes;
 mod invariances;

@@ -1,7 +1,7 @@
 //! Sequential stopping: pass, fail and unresolved rates of tables that end once settled, and their lengths.
 
 use super::{CLASSES, Claim, Class, Known, Random, infer, table};
-use crate::fit::{Decision, FEWEST, Posterior, settles};
+use crate::{Decision, FEWEST, Posterior, settles};
 
 const MOST: usize = 8;
 

@@ -87,7 +87,7 @@ fn regular(samples: &[ValueSample]) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::fit::{Claim, Decision};
+    use crate::{Claim, Decision};
 
     fn values(steps: &[f64], value: impl Fn(f64) -> f64) -> Vec<ValueSample> {
         steps.iter().map(|&step| ValueSample { step, value: value(step) }).collect()

@@ -1,7 +1,7 @@
 //! A table of classes that are not the families of the model at its own nodes, beside the rules in common use.
 
 use super::{Random, level, straight_line};
-use crate::fit::{Claim, Decision, Known, Level, infer};
+use crate::{Claim, Decision, Known, Level, infer};
 
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Kind {
@@ -173,7 +173,7 @@ pub(super) fn cell(kind: Kind, levels: usize, seeds: std::ops::Range<u64>, told:
     found
 }
 
-fn read(drawn: &Drawn, told: bool) -> Option<crate::fit::Posterior> {
+fn read(drawn: &Drawn, told: bool) -> Option<crate::Posterior> {
     let known = Known { reference: told.then_some(drawn.reference), ..Known::default() };
     infer(&drawn.table, &known).ok()
 }
@@ -286,7 +286,7 @@ fn slopes_that_fall_ever_faster_about_the_order_are_those_of_noise() {
             let last = table[table.len() - 1];
             table.push(level(0.5 * last.size(), last.error() * 0.5f64.powf(slope)));
         }
-        let posterior = crate::fit::infer(&table, &Known::default()).expect("a line");
+        let posterior = crate::infer(&table, &Known::default()).expect("a line");
         posterior.decide(&Claim::new(order).expect("a claim")).decision
     };
     assert_eq!(decided([3.07, 3.02, 2.90], 3.0), Decision::Pass);

@@ -24,7 +24,7 @@ fn place(noise: f64) -> i32 {
 
 /// Posteriors for all noises of the list from the least that the table does not contradict to `noise`. The list begins at
 /// `least`, and is compared up to `seen`. Several posteriors are of one table, with one evidence.
-pub(in crate::fit) fn up_to<const N: usize, E>(
+pub(crate) fn up_to<const N: usize, E>(
     noise: f64,
     [least, seen]: [f64; 2],
     of: impl Fn(f64) -> Result<[Posterior; N], E>,

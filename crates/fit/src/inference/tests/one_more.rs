@@ -1,9 +1,7 @@
 //! What more data and less trust in them do to an answer, on 216 tables of one next term without noise.
 
 use super::{Claim, Known, Random, infer, level};
-use crate::fit::{
-    Decision, Interval, Level, Point, Posterior, ValueSample, infer_grid, infer_values,
-};
+use crate::{Decision, Interval, Level, Point, Posterior, ValueSample, infer_grid, infer_values};
 
 /// e = h^p (1 + D h^r) on four, five, six halvings.
 fn tables() -> impl Iterator<Item = (Vec<Level>, f64)> {
