@@ -27,13 +27,9 @@ fn shown(runs: &serde_json::Value, key: &str) -> String {
 #[test]
 fn the_page_shows_what_the_command_prints() {
     let text = page("ESTIMATORS");
-    for (scene, holds) in [
-        ("viscoelastic", true),
-        ("law-linear", true),
-        ("static-bilateral", true),
-        ("friction-jump", false),
-        ("locking-linear", false),
-    ] {
+    for (scene, holds) in
+        [("law-linear", true), ("friction-jump", false), ("locking-linear", false)]
+    {
         let output = sweep(&["estimators", scene, "--json"]);
         assert_eq!(code(&output), i32::from(!holds), "{scene}: {}", stderr(&output));
         let found = json(&output);

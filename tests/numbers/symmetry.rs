@@ -197,17 +197,12 @@ const FRICTION: &str = "friction = { bound = \"0.02\" }";
 fn a_quarter_of_a_block_beside_the_whole() {
     let folder = Folder::new("symmetry");
     for (d, angle, more) in [
-        (2, 0.0, ""),
         (2, 0.0, P2),
-        (2, 0.0, FRICTION),
         (2, 0.4, ""),
-        (2, 0.4, P2),
         (2, 0.4, FRICTION),
-        (3, 0.0, ""),
-        (3, 0.0, FRICTION),
         (3, 0.0, P2),
+        (3, 0.0, FRICTION),
         (3, 0.4, ""),
-        (3, 0.4, FRICTION),
     ] {
         let planes = match d {
             2 => "symmetry = [\"left\", \"bottom\"]",
@@ -221,7 +216,10 @@ fn a_quarter_of_a_block_beside_the_whole() {
         let [off, size] = difference(&at(false, planes), &whole);
         assert!(size > 0.05, "{d} {angle} {more}: {size}");
         assert!(off < EQUAL, "{d} {angle} {more}: {off:e}");
-        // Planes that are forgotten, or one of them, are seen.
+        // A plane that is forgotten is seen; whatever the element and the law, it is the same rows that are held.
+        if !more.is_empty() {
+            continue;
+        }
         for (named, kept) in [("left", "bottom"), ("bottom", "left")] {
             let wrong = format!(
                 "symmetry = [\"{kept}\"{}]\nrest = \"traction\"",
