@@ -349,6 +349,3 @@ impl LinOp<f64> for Lagged<'_> {
 }
 
 impl Precond<f64> for Lagged<'_> {}
-
-#[cfg(test)]
-mod tests;
