@@ -3,7 +3,7 @@
 use bytemuck::{cast_slice, pod_collect_to_vec};
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict};
-use run::external::{Array, DENSITIES, Given};
+use run::external::{Array, Given};
 use scene::setup::MeshData;
 
 /// Doubles in native byte order.
@@ -49,15 +49,9 @@ pub fn case<'py>(py: Python<'py>, given: &Given, data: &MeshData) -> PyResult<Bo
     doubles("contact_numbers", &[rows, 4], &numbers)?;
     indices("contact_clamped", &[rows], &mut contact.iter().map(|row| u32::from(row.clamped)))?;
     indices("contact_table", &[rows], &mut contact.iter().map(|row| row.table as u32))?;
-    doubles("times", &[given.times.len()], &given.times)?;
-    let array = |name: &str, array: &Array| doubles(name, &array.shape, &array.numbers);
-    given.kernels.iter().try_for_each(|kernels| array("kernels", kernels))?;
-    given.gaps.iter().try_for_each(|gaps| array("gap", gaps))?;
-    given.friction.iter().try_for_each(|friction| array("friction", friction))?;
-    for (name, values) in DENSITIES.iter().zip(given.densities.iter().flatten()) {
-        array(name, values)?;
+    for (name, Array { shape, numbers }) in &given.arrays {
+        doubles(name, shape, numbers)?;
     }
-    array("loads", &given.loads)?;
     case.set_item("json", given.document.to_string())?;
     Ok(case)
 }

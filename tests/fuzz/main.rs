@@ -22,7 +22,7 @@ use judge::table::Reading;
 use judge::verdict::{Baseline, ComparedRun, read_earlier};
 use program::{Folder, code, stderr, sweep};
 use report::{convergence_svg, split_svg};
-use run::external::{Wanted, decode, encode, read_displacements};
+use run::external::{decode, encode, read_displacements};
 use run::sweep::{Provenance, judge_scene};
 use scene::setup::Subject;
 use scene::{Scene, Source};
@@ -268,7 +268,7 @@ fn no_verdict_and_no_provenance_breaks_the_report() {
 
 /// Three levels of two vertices in the plane.
 const SHAPE: [usize; 3] = [3, 2, 2];
-const WANTED: Wanted = Wanted { levels: 3, vertices: 2, dimension: 2 };
+const WANTED: [usize; 3] = [3, 2, 2];
 
 /// Bytes as a text and back, a character each: what damage adds of other characters is cut to a byte.
 fn as_text(bytes: &[u8]) -> String {
@@ -297,7 +297,7 @@ fn no_table_of_a_solver_breaks_the_reader() {
     fuzz("answer", &corpus, 5_000, |text| {
         swept.with("displacement.csv", text, |path| {
             let dir = path.parent().expect("a folder");
-            read_displacements(dir, &WANTED).is_ok_and(|numbers| numbers.len() == 12)
+            read_displacements(dir, WANTED, None).is_ok_and(|numbers| numbers.len() == 12)
         })
     });
 }

@@ -188,7 +188,7 @@ impl Solve for Solver {
     fn solve(&self, given: &Given, data: &MeshData) -> Result<Answer, String> {
         let (mut u, mut pressure) = (Vec::new(), Vec::new());
         let (nodes, rows) = (&data.space.nodes, data.space.trace.points.len());
-        let steps = given.times.len() as u32 - 1;
+        let steps = given.document["steps"].as_u64().expect("steps") as u32;
         let run = self.program.scheme.march(&self.program, data, steps, &mut |view| {
             for &node in &nodes.of_vertex {
                 let at = node as usize * nodes.dimension;

@@ -123,7 +123,8 @@ fn midpoints_come_back_within_the_process() {
     struct Found;
     impl Solve for Found {
         fn solve(&self, given: &Given, data: &MeshData) -> Result<Answer, String> {
-            let (setup, steps) = (setup("quadratic-memory"), given.times.len() as u32 - 1);
+            let setup = setup("quadratic-memory");
+            let steps = given.document["steps"].as_u64().expect("steps") as u32;
             let mut displacement = Vec::new();
             run(&setup, &setup.model, data, steps, |view| {
                 let of_vertex =

@@ -6,7 +6,7 @@ use std::process::Command;
 use std::sync::mpsc::channel;
 use std::time::Duration;
 
-use run::external::{Wanted, read_displacements};
+use run::external::read_displacements;
 
 use crate::program::{Folder, code, command, stderr, stdout};
 
@@ -44,8 +44,7 @@ fn said(folder: &Folder) -> String {
     let (tell, told) = channel();
     let dir = folder.at(".");
     std::thread::spawn(move || {
-        let wanted = Wanted { levels: 3, vertices: 2, dimension: 2 };
-        let outcome = read_displacements(&dir, &wanted);
+        let outcome = read_displacements(&dir, [3, 2, 2], None);
         // Nobody listens any more where the test has failed.
         let _ = tell.send(outcome.expect_err("no answer").to_string());
     });

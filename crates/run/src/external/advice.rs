@@ -87,7 +87,7 @@ pub fn solver_first(verdicts: &mut [Verdict], setup: &Setup, found: Option<&Expl
             }
             _ => {
                 let first = match verdict.observed.is_some_and(|order| order < STUCK) {
-                    true => format!("its errors do not fall; {}", of_every_solver().join(", ")),
+                    true => format!("its errors do not fall; {}", OF_EVERY_SOLVER.join(", ")),
                     false => questions(setup, verdict.variable).join(", "),
                 };
                 format!("look at the solver first: {first}? {}", verdict.reason)
@@ -121,7 +121,7 @@ fn questions(setup: &Setup, variable: Variable) -> Vec<String> {
         questions
             .push("has every midpoint of an edge a value of its own, in its own row".to_owned());
     }
-    questions.extend(of_every_solver().map(str::to_owned));
+    questions.extend(OF_EVERY_SOLVER.map(str::to_owned));
     questions
 }
 
@@ -129,12 +129,10 @@ fn questions(setup: &Setup, variable: Variable) -> Vec<String> {
 const STUCK: f64 = 0.25;
 
 /// What every solver takes from the case.
-fn of_every_solver() -> [&'static str; 2] {
-    [
-        "are the given loads added as they are",
-        "is every vertex in its own row, level 0 solved like the others",
-    ]
-}
+const OF_EVERY_SOLVER: [&str; 2] = [
+    "are the given loads added as they are",
+    "is every vertex in its own row, level 0 solved like the others",
+];
 
 // Scenes whose loads a solver assembles itself.
 

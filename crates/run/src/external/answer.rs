@@ -1,82 +1,33 @@
 //! Output of a solver: displacements of all levels as `.npy` or `.csv`, and optionally pressures.
 
-use super::process::{Timed, Until, most_bytes, open_bounded};
+use super::process::{Timed, Until};
 use std::io::{BufReader, Read};
 use std::path::{Path, PathBuf};
 
-/// The displacements of all levels, level by level, d numbers per vertex, from the array, or else from the table.
-pub fn read_displacements(dir: &Path, wanted: &Wanted) -> Result<Vec<f64>, AnswerError> {
-    read_until(dir, wanted, None)
-}
-
-/// [`read_displacements`] under a time limit.
-pub(super) fn read_until(
+/// The displacements of all levels, level by level, d numbers per vertex, from the array, or else from the table; `shape` is
+/// N + 1, the vertices of the mesh, further nodes included, and d.
+pub fn read_displacements(
     dir: &Path,
-    wanted: &Wanted,
+    shape: [usize; 3],
     until: Until,
 ) -> Result<Vec<f64>, AnswerError> {
-    let shape = [wanted.levels, wanted.vertices, wanted.dimension];
-    let [array, table] = [DISPLACEMENT, DISPLACEMENT_TABLE].map(|name| dir.join(name));
+    let [levels, vertices, d] = shape;
+    let [array, path] = [DISPLACEMENT, DISPLACEMENT_TABLE].map(|name| dir.join(name));
     if array.exists() {
         return read_array(array, &shape, "levels N + 1, vertices, components", until);
     }
-    if !table.exists() {
+    if !path.exists() {
         return Err(AnswerError::Missing(dir.to_owned()));
     }
-    read_table(&table, shape, until)
-}
-
-pub(super) fn read_pressures(
-    dir: &Path,
-    [levels, points]: [usize; 2],
-    until: Until,
-) -> Result<Vec<f64>, AnswerError> {
-    let path = dir.join(PRESSURE);
-    if !path.exists() {
-        let reason = "no such file: write it, or leave out --pressure".to_owned();
-        return Err(AnswerError::Unreadable { path, reason });
+    // Rows n, vertex, components in any order; each pair once.
+    let fault = |line: u64, reason: String| AnswerError::Row { path: path.clone(), line, reason };
+    let file = Timed::open(&path, until).map_err(AnswerError::at(&path))?;
+    let [first, each] = BYTES_A_ROW;
+    let most = first.saturating_add(each.saturating_mul((levels * vertices) as u64));
+    if file.length > most {
+        let reason = format!("{} bytes, but at most {most} can be needed", file.length);
+        return Err(AnswerError::at(&path)(reason));
     }
-    read_array(path, &[levels, points], "levels N + 1, rows of contact.csv", until)
-}
-
-/// Shape and length are checked before a number is read.
-fn read_array(
-    path: PathBuf,
-    wanted: &[usize],
-    axes: &'static str,
-    until: Until,
-) -> Result<Vec<f64>, AnswerError> {
-    let no_array = |source| AnswerError::Npy { path: path.clone(), source };
-    let mut file = Timed::open(&path, until).map_err(AnswerError::at(&path))?;
-    let shape = head(&mut file).map_err(no_array)?;
-    if shape != wanted {
-        let wanted = wanted.to_vec();
-        return Err(AnswerError::Shape { path, found: shape, wanted, axes });
-    }
-    let bytes = length(&shape).map_err(no_array)?;
-    let found = file.length.saturating_sub(file.place) as usize;
-    if found != bytes {
-        return Err(no_array(NpyError::Length { shape, wanted: bytes, found }));
-    }
-    let mut data = Vec::with_capacity(bytes);
-    // The file may grow meanwhile.
-    file.take(bytes as u64).read_to_end(&mut data).map_err(AnswerError::at(&path))?;
-    numbers(shape, &data).map(|array| array.numbers).map_err(no_array)
-}
-
-/// Two counters and three numbers of 25 letters take 95 bytes; the rest is for blanks.
-const BYTES_A_ROW: [u64; 2] = [1 << 12, 1 << 8];
-
-/// Rows n, vertex, components in any order; each pair once.
-fn read_table(
-    path: &Path,
-    [levels, vertices, d]: [usize; 3],
-    until: Until,
-) -> Result<Vec<f64>, AnswerError> {
-    let fault =
-        |line: u64, reason: String| AnswerError::Row { path: path.to_owned(), line, reason };
-    let file = open_bounded(path, most_bytes(BYTES_A_ROW, levels * vertices), until)
-        .map_err(AnswerError::at(path))?;
     let mut reader =
         csv::ReaderBuilder::new().trim(csv::Trim::All).from_reader(BufReader::new(file));
     let names = ["n", "vertex", "ux", "uy", "uz"];
@@ -110,10 +61,38 @@ fn read_table(
     if let Some(at) = seen.iter().position(|seen| !seen) {
         let (n, vertex) = (at / vertices, at % vertices);
         let reason = format!("level {n}, vertex {vertex} is missing");
-        return Err(AnswerError::Unreadable { path: path.to_owned(), reason });
+        return Err(AnswerError::Unreadable { path: path.clone(), reason });
     }
     Ok(numbers)
 }
+
+/// Shape and length are checked before a number is read; `axes` are those of the shape.
+pub(super) fn read_array(
+    path: PathBuf,
+    wanted: &[usize],
+    axes: &'static str,
+    until: Until,
+) -> Result<Vec<f64>, AnswerError> {
+    let no_array = |source| AnswerError::Npy { path: path.clone(), source };
+    let mut file = Timed::open(&path, until).map_err(AnswerError::at(&path))?;
+    let shape = head(&mut file).map_err(no_array)?;
+    if shape != wanted {
+        let wanted = wanted.to_vec();
+        return Err(AnswerError::Shape { path, found: shape, wanted, axes });
+    }
+    let bytes = length(&shape).map_err(no_array)?;
+    let found = file.length.saturating_sub(file.place) as usize;
+    if found != bytes {
+        return Err(no_array(NpyError::Length { shape, wanted: bytes, found }));
+    }
+    let mut data = Vec::with_capacity(bytes);
+    // The file may grow meanwhile.
+    file.take(bytes as u64).read_to_end(&mut data).map_err(AnswerError::at(&path))?;
+    numbers(shape, &data).map(|array| array.numbers).map_err(no_array)
+}
+
+/// Two counters and three numbers of 25 letters take 95 bytes; the rest is for blanks.
+const BYTES_A_ROW: [u64; 2] = [1 << 12, 1 << 8];
 
 // NumPy's `.npy` files: arrays of doubles in C order.  Source: NumPy enhancement proposal 1, "A simple file format
 // for NumPy arrays". The published crates include a parser of Python literals for the header, of which three keys
@@ -277,7 +256,7 @@ impl AnswerError {
     }
 }
 
-// What an answer has to hold, and the names of its files.
+// The names of its files.
 
 /// (N + 1) × vertices × d.
 pub(crate) const DISPLACEMENT: &str = "displacement.npy";
@@ -285,16 +264,6 @@ pub(crate) const DISPLACEMENT: &str = "displacement.npy";
 pub(crate) const DISPLACEMENT_TABLE: &str = "displacement.csv";
 /// ξ + λ at the rows of contact.csv, (N + 1) × rows.
 pub(crate) const PRESSURE: &str = "pressure.npy";
-/// What an answer has to hold.
-#[derive(Debug, Clone, Copy)]
-pub struct Wanted {
-    /// N + 1.
-    pub levels: usize,
-    /// Vertices of the mesh, further nodes included.
-    pub vertices: usize,
-    pub dimension: usize,
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -7,7 +7,7 @@ use serde::Serialize;
 use serde_json::{Value, json};
 
 use super::answer::{Array, encode};
-use fem::contact::{CaseError, Discretization, LoadError, Support};
+use fem::contact::{CaseError, Discretization, LoadError};
 use fem::space::quadrature::Rule;
 use files::replace_file;
 use scene::Contact;
@@ -22,7 +22,7 @@ const MOST_PAIRS: usize = 4096;
 
 /// Names of the arrays of loads as functions: points and weights of the rule in a cell, points × (d + 2), with the weights last;
 /// f0, (N + 1) × cells × points × d; the same of the facets of the boundary.
-pub const DENSITIES: [&str; 4] = ["cell_rule", "cell_loads", "facet_rule", "facet_loads"];
+const DENSITIES: [&str; 4] = ["cell_rule", "cell_loads", "facet_rule", "facet_loads"];
 
 /// A row of the table of Γ3.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -43,19 +43,11 @@ pub struct ContactRow {
 pub struct Given {
     /// Contents of `case.json`.
     pub document: Value,
-    /// t_0 … t_N.
-    pub times: Vec<f64>,
-    /// b_i at the lags of the grid; none without memory.
-    pub kernels: Option<Array>,
-    /// Loads of every level, (N + 1) × vertices × d.
-    pub loads: Array,
-    /// Loads of the strong form before they are assembled, by the names in [`DENSITIES`]; none of other loads.
-    pub densities: Option<[Array; 4]>,
+    /// By their names: `times`, t_0 … t_N; `kernels`, b_i at the lags of the grid, with memory; `gap` at the rows of Γ3,
+    /// (N + 1) × rows, where it depends on t; `friction`, the factor of its bound there, with friction; loads of the strong form
+    /// before they are assembled, as `cell_rule` and so on; `loads` of every level, (N + 1) × vertices × d.
+    pub arrays: Vec<(&'static str, Array)>,
     pub contact: Vec<ContactRow>,
-    /// The gap at the rows of Γ3, (N + 1) × rows; none where it does not depend on t.
-    pub gaps: Option<Array>,
-    /// The factor of the bound of friction at the rows of Γ3, (N + 1) × rows; none without friction.
-    pub friction: Option<Array>,
 }
 
 impl Given {
@@ -64,17 +56,20 @@ impl Given {
     /// # Errors
     /// A load that is not finite, a grid too long for its kernels.
     pub(crate) fn new(setup: &Setup, data: &MeshData, steps: u32) -> Result<Self, CaseError> {
-        let grid = setup.grid(steps);
-        Ok(Self {
-            document: case(setup, data, &grid),
-            kernels: (!setup.model.memory.is_empty()).then(|| kernels(setup, &grid)).transpose()?,
-            loads: loads(data, &grid)?,
-            densities: densities(data, &grid)?,
-            contact: contact(setup, &data.space),
-            gaps: gaps(setup, &data.space, &grid),
-            friction: friction(setup, &data.space, &grid),
-            times: grid.times().to_vec(),
-        })
+        let (model, space, grid) = (&setup.model, &*data.space, setup.grid(steps));
+        let times = Array { shape: vec![grid.times().len()], numbers: grid.times().to_vec() };
+        let moves = setup.body.gap_moves(&setup.scene.formulas);
+        let gap = moves.then(|| by_level(|side, x, t| model.gap(side, x, t), space, &grid));
+        // c(x, t) of S = c S_0(|u_τ|), or of S = c p(u_ν).
+        let factor = model.friction.as_ref().map(|friction| &friction.factor);
+        let friction = factor.map(|factor| by_level(|_, x, t| factor(x, t), space, &grid));
+        let kernels = (!model.memory.is_empty()).then(|| kernels(setup, &grid)).transpose()?;
+        let some = [("kernels", kernels), ("gap", gap), ("friction", friction)];
+        let mut arrays = vec![("times", times)];
+        arrays.extend(some.into_iter().filter_map(|(name, array)| Some((name, array?))));
+        arrays.extend(DENSITIES.into_iter().zip(densities(data, &grid)?.into_iter().flatten()));
+        arrays.push(("loads", loads(data, &grid)?));
+        Ok(Self { document: case(setup, data, &grid), arrays, contact: contact(setup, space) })
     }
 
     /// Whether a vertex of the mesh has no unknowns.
@@ -106,25 +101,38 @@ pub fn write_case(dir: &Path, setup: &Setup, data: &MeshData, steps: u32) -> Res
     let text =
         serde_json::to_string_pretty(&given.document).map_err(|error| outside(dir, error))?;
     file("case.json", text.as_bytes())?;
-    file("mesh.msh", fem::mesh::write_gmsh(&space.mesh).as_bytes())?;
-    written("vertices.csv", vertices(space))?;
-    written("cells.csv", cells(space))?;
-    written("facets.csv", facets(space))?;
+    let (mesh, nodes) = (&space.mesh, &space.nodes);
+    let d = mesh.dimension;
+    file("mesh.msh", fem::mesh::write_gmsh(mesh).as_bytes())?;
+    let numbered = |count: usize| (0..count).map(|i| format!("v{i}")).collect::<Vec<_>>();
+    let row = |v: usize| (v, mesh.vertex(v as u32), u8::from(Given::clamped(space, v)));
+    let head = ("vertex", &["x", "y", "z"][..d], "clamped");
+    written("vertices.csv", table(head, (0..mesh.vertices()).map(row)))?;
+    let row = |c: usize| (c, Given::of_cell(space, c), space.regions.get(c).copied().unwrap_or(0));
+    let head = ("cell", numbered(nodes.a_cell), "region");
+    written("cells.csv", table(head, (0..mesh.cell_count()).map(row)))?;
+    let row = |(f, &side): (usize, &u32)| (f, nodes.on_facet(f), &mesh.sides[side as usize]);
+    let head = ("facet", numbered(nodes.a_facet), "side");
+    written("facets.csv", table(head, mesh.facet_side.iter().enumerate().map(row)))?;
+    let normal = &["nx", "ny", "nz"][..d];
     if !space.supports.is_empty() {
-        written("symmetry.csv", symmetry(&space.supports, space.mesh.dimension))?;
+        // The conditions u·n = 0.
+        let rows = space.supports.iter().map(|row| (row.vertex, &row.normal[..d]));
+        written("symmetry.csv", table(("vertex", normal), rows))?;
     }
-    let several = setup.body.contact.len() > 1;
-    written("contact.csv", contact_table(&given.contact, space.mesh.dimension, several))?;
-    file("times.npy", &encode(&[given.times.len()], &given.times))?;
-    let array = |name: &str, array: &Array| file(name, &encode(&array.shape, &array.numbers));
-    given.kernels.iter().try_for_each(|kernels| array("kernels.npy", kernels))?;
-    given.gaps.iter().try_for_each(|gaps| array("gap.npy", gaps))?;
-    given.friction.iter().try_for_each(|friction| array("friction.npy", friction))?;
-    let densities = DENSITIES.iter().zip(given.densities.iter().flatten());
-    for (name, values) in densities {
-        array(&format!("{name}.npy"), values)?;
-    }
-    array("loads.npy", &given.loads)
+    // With the column `table` where there are several: readers of others count on nine columns in the plane.
+    let several = usize::from(setup.body.contact.len() > 1);
+    let rows = given.contact.iter().enumerate().map(|(i, row)| {
+        let clamped = u8::from(row.clamped);
+        (i, row.vertex, &row.normal[..d], row.numbers, clamped, vec![row.table; several])
+    });
+    let numbers = ["weight", "gap", "shift", "scale", "clamped"];
+    let head = ("row", "vertex", normal, numbers, vec!["table"; several]);
+    written("contact.csv", table(head, rows))?;
+    let mut arrays = given.arrays.iter();
+    arrays.try_for_each(|(name, Array { shape, numbers })| {
+        file(&format!("{name}.npy"), &encode(shape, numbers))
+    })
 }
 
 fn outside(path: &Path, error: impl std::fmt::Display) -> CaseError {
@@ -190,37 +198,6 @@ fn table<R: Serialize>(
     writer.into_inner().map_err(|error| error.into_error().into())
 }
 
-const COORDINATES: [&str; 3] = ["x", "y", "z"];
-const NORMAL: [&str; 3] = ["nx", "ny", "nz"];
-
-fn numbered(count: usize) -> Vec<String> {
-    (0..count).map(|i| format!("v{i}")).collect()
-}
-
-fn vertices(space: &Discretization) -> Result<Vec<u8>, csv::Error> {
-    let (mesh, d) = (&space.mesh, space.mesh.dimension);
-    let row = |v: usize| (v, mesh.vertex(v as u32), u8::from(Given::clamped(space, v)));
-    table(("vertex", &COORDINATES[..d], "clamped"), (0..mesh.vertices()).map(row))
-}
-
-fn cells(space: &Discretization) -> Result<Vec<u8>, csv::Error> {
-    let row = |c: usize| (c, Given::of_cell(space, c), space.regions.get(c).copied().unwrap_or(0));
-    let names = numbered(space.nodes.a_cell);
-    table(("cell", names, "region"), (0..space.mesh.cell_count()).map(row))
-}
-
-fn facets(space: &Discretization) -> Result<Vec<u8>, csv::Error> {
-    let mesh = &space.mesh;
-    let row = |(f, &side): (usize, &u32)| (f, space.nodes.on_facet(f), &mesh.sides[side as usize]);
-    let names = numbered(space.nodes.a_facet);
-    table(("facet", names, "side"), mesh.facet_side.iter().enumerate().map(row))
-}
-
-/// The conditions u·n = 0.
-fn symmetry(rows: &[Support], d: usize) -> Result<Vec<u8>, csv::Error> {
-    table(("vertex", &NORMAL[..d]), rows.iter().map(|row| (row.vertex, &row.normal[..d])))
-}
-
 fn contact(setup: &Setup, space: &Discretization) -> Vec<ContactRow> {
     let row = |point: &fem::contact::TracePoint| {
         let x = space.mesh.point(&[point.vertex], &[1.0]);
@@ -242,19 +219,6 @@ fn contact(setup: &Setup, space: &Discretization) -> Vec<ContactRow> {
     space.trace.points.iter().map(row).collect()
 }
 
-/// c(x, t) of S = c S_0(|u_τ|), or of S = c p(u_ν).
-fn friction(setup: &Setup, space: &Discretization, grid: &TimeGrid) -> Option<Array> {
-    let factor = &setup.model.friction.as_ref()?.factor;
-    Some(by_level(|_, x, t| factor(x, t), space, grid))
-}
-
-/// g(x, t).
-fn gaps(setup: &Setup, space: &Discretization, grid: &TimeGrid) -> Option<Array> {
-    let moves = setup.body.gap_moves(&setup.scene.formulas);
-    let gap = |side, x, t| setup.model.gap(side, x, t);
-    moves.then(|| by_level(gap, space, grid))
-}
-
 /// A function of side, place and time at the rows of Γ3 and all levels.
 fn by_level(
     of: impl Fn(u32, [f64; 3], f64) -> f64,
@@ -267,22 +231,9 @@ fn by_level(
         .map(|point| (point.side, space.mesh.point(&[point.vertex], &[1.0])))
         .collect();
     let times = grid.times().iter();
-    let numbers = times
-        .flat_map(|&t| places.iter().map(move |&place| (place, t)))
-        .map(|((side, x), t)| of(side, x, t));
-    let numbers = numbers.collect();
+    let pairs = times.flat_map(|&t| places.iter().map(move |&(side, x)| (side, x, t)));
+    let numbers = pairs.map(|(side, x, t)| of(side, x, t)).collect();
     Array { shape: vec![grid.steps() + 1, points.len()], numbers }
-}
-
-/// With the column `table` where there are several: readers of others count on nine columns in the plane.
-fn contact_table(rows: &[ContactRow], d: usize, several: bool) -> Result<Vec<u8>, csv::Error> {
-    let numbers = ["weight", "gap", "shift", "scale", "clamped"];
-    let last: &[&str] = if several { &["table"] } else { &[] };
-    let rows = rows.iter().enumerate().map(|(i, row)| {
-        let last: Vec<usize> = several.then_some(row.table).into_iter().collect();
-        (i, row.vertex, &row.normal[..d], row.numbers, u8::from(row.clamped), last)
-    });
-    table(("row", "vertex", &NORMAL[..d], numbers, last), rows)
 }
 
 /// Whether lags of the grid are its times.

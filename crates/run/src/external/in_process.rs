@@ -41,7 +41,8 @@ impl<S: Solve> Scheme for InProcess<S> {
         let (levels, points) = (grid.steps() + 1, space.trace.points.len());
         let Answer { displacement, pressure } = solved;
         let lengths = [displacement.len(), pressure.as_ref().map_or(levels * points, Vec::len)];
-        let wanted = [given.loads.numbers.len(), levels * points];
+        let numbers = space.mesh.vertices() * space.mesh.dimension;
+        let wanted = [levels * numbers, levels * points];
         if lengths != wanted {
             let message =
                 format!("{lengths:?} displacements and pressures, but {wanted:?} are expected");

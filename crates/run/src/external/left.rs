@@ -78,34 +78,29 @@ impl Left<'_> {
 
     /// The forces of the projection by levels for other limits; of the `whole` strain in place of its deviator.
     pub(super) fn projected(&self, kappa: &[f64], whole: bool) -> Vec<Vec<f64>> {
-        fn of<const D: usize, const S: usize>(
-            left: &Left<'_>,
-            [u, kappa]: [&[f64]; 2],
-            whole: bool,
-        ) -> Vec<f64> {
-            let (space, projection) = (&*left.data.space, &left.setup.model.projection);
-            let mut shear: Symmetric<S> = [0.0; S];
-            shear[S - 1] = 1.0;
-            let mu = projection.stress(&shear, 0.0).map_or(0.0, |stress| stress[S - 1]);
+        let (space, projection) = (&*self.data.space, &self.setup.model.projection);
+        let level = |(u, &kappa): (&Vec<f64>, &f64)| {
             let mut force = vec![0.0; space.nodes.len()];
-            for at in space.points() {
-                let (strain, kappa) = (at.strain::<S>(u), kappa[0]);
-                let size = norm(&strain);
-                let stress = match whole {
-                    true => (size > kappa).then(|| strain.map(|e| mu * (1.0 - kappa / size) * e)),
-                    false => projection.stress(&strain, kappa),
-                };
-                if let Some(stress) = stress {
-                    let stress = stress.map(|s| at.weight * s);
-                    stress_force::<D, S>(at.gradients, at.nodes, &stress, &mut force);
+            in_dimension!(space.mesh.dimension, D, S => {
+                let mut shear: Symmetric<S> = [0.0; S];
+                shear[S - 1] = 1.0;
+                let mu = projection.stress(&shear, 0.0).map_or(0.0, |stress| stress[S - 1]);
+                for at in space.points() {
+                    let strain = at.strain::<S>(u);
+                    let size = norm(&strain);
+                    let of_whole = || strain.map(|e| mu * (1.0 - kappa / size) * e);
+                    let stress = match whole {
+                        true => (size > kappa).then(of_whole),
+                        false => projection.stress(&strain, kappa),
+                    };
+                    if let Some(stress) = stress {
+                        let stress = stress.map(|s| at.weight * s);
+                        stress_force::<D, S>(at.gradients, at.nodes, &stress, &mut force);
+                    }
                 }
-            }
+            });
             force.truncate(space.dofs());
             force
-        }
-        let level = |(u, kappa): (&Vec<f64>, &f64)| {
-            let given = [u, std::slice::from_ref(kappa)];
-            in_dimension!(self.data.space.mesh.dimension, D, S => of::<D, S>(self, given, whole))
         };
         self.u.iter().zip(kappa).map(level).collect()
     }

@@ -10,14 +10,14 @@ mod left;
 mod process;
 mod touch;
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
 pub use self::advice::{by_density, look_for_cause, on_pressures, solver_first};
-pub use self::answer::{AnswerError, Array, NpyError, Wanted, decode, encode, read_displacements};
+use self::answer::read_array;
+pub use self::answer::{AnswerError, Array, NpyError, decode, encode, read_displacements};
 pub(crate) use self::answer::{DISPLACEMENT, DISPLACEMENT_TABLE, PRESSURE};
-use self::answer::{read_pressures, read_until};
-pub use self::case_files::{ContactRow, DENSITIES, Given, case_dir, write_case};
+pub use self::case_files::{ContactRow, Given, case_dir, write_case};
 pub use self::cause::cause_of;
 pub use self::in_process::{Answer, InProcess, Solve};
 pub use self::process::{LOG, ProcessError, end_solvers, last_lines};
@@ -65,18 +65,28 @@ impl Scheme for ExternalSolver {
         let dir = case_dir(&self.folder, &setup.scene.name, space.mesh.n, steps);
         let mut until = None;
         if let Way::Command { words, limit } = &self.way {
-            forget(&dir)?;
+            // The answer of an earlier run.
+            let earlier = [DISPLACEMENT, DISPLACEMENT_TABLE, PRESSURE];
+            earlier.iter().try_for_each(|name| remove_if_there(&dir.join(name))).map_err(said)?;
             write_case(&dir, setup, data, steps)?;
             until = Instant::now().checked_add(*limit);
             data.comparing_beside(setup, || process::run(words, &dir, *limit)).map_err(said)?;
         }
         let (levels, d) = (grid.steps() + 1, space.mesh.dimension);
-        let wanted = Wanted { levels, vertices: space.mesh.vertices(), dimension: d };
-        let u = read_until(&dir, &wanted, until).map_err(said)?;
+        let u =
+            read_displacements(&dir, [levels, space.mesh.vertices(), d], until).map_err(said)?;
         let points = space.trace.points.len();
-        let given = (self.pressures && points > 0)
-            .then(|| read_pressures(&dir, [levels, points], until).map_err(said));
-        show(space, &setup.model, &grid, (&u, given.transpose()?), observe)
+        let mut given = None;
+        if self.pressures && points > 0 {
+            let path = dir.join(PRESSURE);
+            if !path.exists() {
+                let reason = "no such file: write it, or leave out --pressure";
+                return Err(said(AnswerError::at(&path)(reason)));
+            }
+            let axes = "levels N + 1, rows of contact.csv";
+            given = Some(read_array(path, &[levels, points], axes, until).map_err(said)?);
+        }
+        show(space, &setup.model, &grid, (&u, given), observe)
     }
 }
 
@@ -85,12 +95,6 @@ const LONGEST_REASON: usize = 4000;
 
 fn said(error: impl std::fmt::Display) -> CaseError {
     CaseError::Outside(shortened(&error.to_string(), LONGEST_REASON).into_owned())
-}
-
-/// Removes the answer of an earlier run.
-fn forget(dir: &Path) -> Result<(), CaseError> {
-    let named = [DISPLACEMENT, DISPLACEMENT_TABLE, PRESSURE];
-    named.iter().try_for_each(|name| remove_if_there(&dir.join(name))).map_err(said)
 }
 
 /// Refuses NaN and infinity in an answer: numbers of levels, and in each those of `place`, by index.
@@ -106,53 +110,6 @@ const CLAMPED_WITHIN: f64 = 1e-8;
 /// A larger share is no penalty that is too small.
 const FREE: f64 = 0.01;
 
-/// V has u = 0 on Γ1, u_ν = 0 on planes of symmetry, and ‖ε(·)‖ is a norm there alone: a body that has moved as a whole has no strain.
-///
-/// # Errors
-/// The largest such value, with its place.
-fn vanishes_where_clamped(
-    space: &Discretization,
-    grid: &TimeGrid,
-    u: &[f64],
-) -> Result<(), CaseError> {
-    let (d, row) = (space.mesh.dimension, space.mesh.vertices() * space.mesh.dimension);
-    let largest = |most: f64, value: &f64| most.max(value.abs());
-    let most = CLAMPED_WITHIN * u.iter().fold(0.0, largest);
-    let at = |n: usize, vertex: u32| &u[n * row + vertex as usize * d..][..d];
-    let levels = || 0..=grid.steps();
-    let held = levels().flat_map(|n| {
-        let clamped = space.nodes.vertex[space.nodes.free..].iter();
-        clamped.map(move |&vertex| (at(n, vertex).iter().fold(0.0, largest), n, vertex))
-    });
-    let across = levels().flat_map(|n| {
-        space.supports.iter().map(move |support| {
-            let along = support.normal.iter().zip(at(n, support.vertex)).map(|(n, u)| n * u);
-            (along.sum::<f64>().abs(), n, support.vertex)
-        })
-    });
-    let worst = |values: &mut dyn Iterator<Item = (f64, usize, u32)>| {
-        values
-            .max_by(|a, b| a.0.total_cmp(&b.0))
-            .filter(|(value, ..)| value.is_nan() || *value > most)
-    };
-    let displaced = most / CLAMPED_WITHIN;
-    let (of, (value, n, vertex)) = match (worst(&mut { across }), worst(&mut { held })) {
-        (Some(found), _) => ("along the normal of a plane of symmetry (symmetry.csv)", found),
-        (_, Some(found)) => ("which is clamped (`clamped` of vertices.csv)", found),
-        _ => return Ok(()),
-    };
-    let why = match value > FREE * displaced {
-        true => {
-            "vertices are numbered otherwise than in vertices.csv, from 0, or are not held there"
-        }
-        false => "errors are measured in V, whose functions vanish on Gamma1",
-    };
-    Err(said(format!(
-        "the displacement is {value:e} at level {n}, vertex {vertex}, {of}: it is 0 there, here to {most:.1e}, \
-         {CLAMPED_WITHIN:e} of the largest displacement; {why}"
-    )))
-}
-
 /// Shows every level to the measurement. Histories follow from the displacements by the scene's time rule, stresses by
 /// this program's laws.
 fn show(
@@ -162,16 +119,46 @@ fn show(
     (u, pressures): (&[f64], Option<Vec<f64>>),
     observe: &mut Observer<'_>,
 ) -> Result<CaseInfo, CaseError> {
-    let d = space.mesh.dimension;
+    let (d, axes) = (space.mesh.dimension, ["ux", "uy", "uz"]);
     // Corners stand among the rows of an answer, also where the element has no nodes there.
     let row = space.mesh.vertices() * d;
     let (levels, points) = (grid.steps() + 1, space.trace.points.len());
-    let (d, axes) = (space.mesh.dimension, ["ux", "uy", "uz"]);
     finite(u, levels, |at| format!("vertex {}: {} of the displacement", at / d, axes[at % d]))?;
     pressures.iter().try_for_each(|given| {
         finite(given, levels, |at| format!("row {at} of contact.csv: the pressure"))
     })?;
-    vanishes_where_clamped(space, grid, u)?;
+    // V has u = 0 on Γ1, u_ν = 0 on planes of symmetry, and ‖ε(·)‖ is a norm there alone: a body that has moved as a whole has no
+    // strain.
+    let largest = |most: f64, value: &f64| most.max(value.abs());
+    let displaced = u.iter().fold(0.0, largest);
+    let most = CLAMPED_WITHIN * displaced;
+    let at = |n: usize, vertex: u32| &u[n * row + vertex as usize * d..][..d];
+    let held = |n: usize| {
+        let clamped = space.nodes.vertex[space.nodes.free..].iter();
+        let of = "which is clamped (`clamped` of vertices.csv)";
+        clamped.map(move |&vertex| (at(n, vertex).iter().fold(0.0, largest), n, vertex, of))
+    };
+    let across = |n: usize| {
+        let of = "along the normal of a plane of symmetry (symmetry.csv)";
+        space.supports.iter().map(move |support| {
+            let along = support.normal.iter().zip(at(n, support.vertex)).map(|(n, u)| n * u);
+            (along.sum::<f64>().abs(), n, support.vertex, of)
+        })
+    };
+    let all = (0..=grid.steps()).flat_map(|n| held(n).chain(across(n)));
+    let worst = all.max_by(|a, b| a.0.total_cmp(&b.0)).filter(|(value, ..)| *value > most);
+    if let Some((value, n, vertex, of)) = worst {
+        let why = match value > FREE * displaced {
+            true => {
+                "vertices are numbered otherwise than in vertices.csv, from 0, or are not held there"
+            }
+            false => "errors are measured in V, whose functions vanish on Gamma1",
+        };
+        return Err(said(format!(
+            "the displacement is {value:e} at level {n}, vertex {vertex}, {of}: it is 0 there, here to {most:.1e}, \
+         {CLAMPED_WITHIN:e} of the largest displacement; {why}"
+        )));
+    }
     let pressures = pressures.unwrap_or_else(|| vec![f64::NAN; levels * points]);
     let mut histories = Histories::new(&model.memory, &*model.time_rule, grid, space.nodes.len());
     let mut info = CaseInfo::default();

@@ -31,47 +31,33 @@ pub enum ProcessError {
 /// # Errors
 /// [`ProcessError`]; its message includes the last line that the program printed.
 pub(crate) fn run(words: &[String], dir: &Path, limit: Duration) -> Result<(), ProcessError> {
-    let (program, arguments) = words.split_first().ok_or_else(|| ProcessError::Start {
-        program: String::new(),
-        reason: "no command".into(),
-    })?;
-    let start = |error: std::io::Error| ProcessError::Start {
-        program: program.clone(),
-        reason: error.to_string(),
+    let start = |program: &str, reason| ProcessError::Start { program: program.into(), reason };
+    let (program, arguments) = words.split_first().ok_or_else(|| start("", "no command".into()))?;
+    let watched = || -> io::Result<(Option<ExitStatus>, Log)> {
+        let mut log = Log::new(dir)?;
+        let mut command = Command::new(program);
+        command.args(arguments).arg(dir).stdin(Stdio::null());
+        command.stdout(log.file.try_clone()?).stderr(log.file.try_clone()?);
+        let (mut group, begin) = (ProcessGroup::start(&mut command)?, Instant::now());
+        let status = loop {
+            let left = limit.saturating_sub(begin.elapsed());
+            let status = group.wait(left.min(LOOK))?;
+            if status.is_some() || left.is_zero() {
+                break status;
+            }
+            log.keep_short()?;
+        };
+        // Remaining children would write no reliable answer and slow down the next case.
+        drop(group);
+        log.keep_short()?;
+        Ok((status, log))
     };
-    let mut log = Log::new(dir).map_err(start)?;
-    let mut command = Command::new(program);
-    command.args(arguments).arg(dir).stdin(Stdio::null());
-    command.stdout(log.handle().map_err(start)?).stderr(log.handle().map_err(start)?);
-    let mut group = ProcessGroup::start(&mut command).map_err(start)?;
-    let status = wait(&mut group, &mut log, limit).map_err(start)?;
-    // Remaining children would write no reliable answer and slow down the next case.
-    drop(group);
-    log.keep_short().map_err(start)?;
-    match status {
-        None => Err(ProcessError::TooLong(limit.as_secs())),
-        Some(status) if status.success() => Ok(()),
-        Some(status) => {
+    match watched().map_err(|error| start(program, error.to_string()))? {
+        (None, _) => Err(ProcessError::TooLong(limit.as_secs())),
+        (Some(status), _) if status.success() => Ok(()),
+        (Some(status), log) => {
             Err(ProcessError::Failed { status: status.to_string(), said: log.last_line() })
         }
-    }
-}
-
-fn wait(
-    group: &mut ProcessGroup,
-    log: &mut Log,
-    limit: Duration,
-) -> std::io::Result<Option<ExitStatus>> {
-    let begin = Instant::now();
-    loop {
-        let left = limit.saturating_sub(begin.elapsed());
-        if let Some(status) = group.wait(left.min(LOOK))? {
-            return Ok(Some(status));
-        }
-        if left.is_zero() {
-            return Ok(None);
-        }
-        log.keep_short()?;
     }
 }
 
@@ -219,11 +205,6 @@ impl Log {
         Ok(Self { path, file })
     }
 
-    /// A handle for the solver to write to.
-    pub(crate) fn handle(&self) -> io::Result<File> {
-        self.file.try_clone()
-    }
-
     /// Cuts a log that has become too long to its end, and notes that in it.
     pub(crate) fn keep_short(&mut self) -> io::Result<()> {
         let length = self.file.metadata()?.len();
@@ -267,11 +248,6 @@ fn end_of(path: &Path) -> io::Result<(Vec<u8>, bool)> {
 
 // Bounded reading of another program's files: regular files only, with limits of length and time.
 
-/// The most bytes that a file has with so many for itself and for each of its entries.
-pub(crate) fn most_bytes([first, each]: [u64; 2], count: usize) -> u64 {
-    first.saturating_add(each.saturating_mul(count as u64))
-}
-
 /// Deadline for reading, if any.
 pub(crate) type Until = Option<Instant>;
 
@@ -312,16 +288,4 @@ impl Read for Timed {
         self.place += count as u64;
         Ok(count)
     }
-}
-
-/// Opens a regular file of at most `most` bytes.
-///
-/// # Errors
-/// The file system refuses, or the file is longer: both lengths.
-pub(crate) fn open_bounded(path: &Path, most: u64, until: Until) -> Result<Timed, String> {
-    let file = Timed::open(path, until).map_err(|error| error.to_string())?;
-    if file.length > most {
-        return Err(format!("{} bytes, but at most {most} can be needed", file.length));
-    }
-    Ok(file)
 }
