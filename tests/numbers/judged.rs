@@ -2,7 +2,7 @@
 
 use judge::record::{CaseRecord, Key};
 use judge::verdict::{LeadingLine, Verdict};
-use run::leading_error::{Case, InTime, MeasuredNorm, leading_errors};
+use run::leading_error::{Case, InTime, leading_errors};
 use run::sweep::{CasePlan, foresee, judge_scene, run_contact_case};
 use scene::setup::{MeshData, Setup, Subject};
 use scene::{Direction, Norm};
@@ -47,12 +47,11 @@ pub fn verdict(setup: Setup) -> Verdict {
 /// What is foreseen of an error of this order on one mesh, or without one.
 pub fn foreseen(
     subject: &Subject,
-    (norm, variable, order): (Norm, Direction, f64),
+    line: (Norm, Direction, f64),
     n: Option<u32>,
     steps: &[u32],
 ) -> LeadingLine {
-    let measured = MeasuredNorm { norm, variable, order, time_reference: 8 };
     let cases: Vec<Case> = steps.iter().map(|&steps| Case { n, steps }).collect();
-    leading_errors(subject, &measured, &cases, &mut InTime::default())
+    leading_errors(subject, line, &cases, &mut InTime::default())
         .unwrap_or_else(|error| panic!("{error}"))
 }

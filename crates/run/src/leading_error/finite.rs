@@ -62,7 +62,23 @@ pub(super) fn largest_error(
             known.push(v);
         }
         let discrete = &problem.r * sum;
-        let (source, by_y, by_r) = problem.force(&state.u, &state.history, discrete.as_slice());
+        // N(S u, u) - N(S^k u, u), ∂N/∂y, and the diagonal g' + ∂N/∂r.
+        let at = |node: Node, i: usize, y: f64| {
+            problem
+                .graph
+                .evaluate(node, &EvaluationPoint { x: state.u[i], y, ..EvaluationPoint::default() })
+        };
+        let source = DVector::from_fn(m, |i, _| match problem.force.get(i) {
+            Some(nodes) => at(nodes[0], i, state.history[i]) - at(nodes[0], i, discrete[i]),
+            None => state.history[i] - discrete[i],
+        });
+        let by_y = DVector::from_fn(m, |i, _| {
+            problem.force.get(i).map_or(1.0, |f| at(f[1], i, discrete[i]))
+        });
+        let by_r = DVector::from_fn(m, |i, _| {
+            let derivative = problem.nonlinear.get(i).map_or(0.0, |&g| at(g, i, 0.0));
+            derivative + problem.force.get(i).map_or(0.0, |f| at(f[2], i, discrete[i]))
+        });
         let mut tangent = &problem.matrix + DMatrix::from_diagonal(&by_r);
         tangent += DMatrix::from_diagonal(&by_y) * &problem.r * present;
         let right = source - by_y.component_mul(&(&problem.r * past));
@@ -159,30 +175,6 @@ impl<'a> Linearised<'a> {
 
     fn norm(&self, e: &DVector<f64>) -> f64 {
         (e.dot(&(&self.product * e))).sqrt()
-    }
-
-    /// N(S u, u) - N(S^k u, u), ∂N/∂y, and the diagonal g' + ∂N/∂r.
-    fn force(
-        &self,
-        u: &[f64],
-        exact: &[f64],
-        discrete: &[f64],
-    ) -> (DVector<f64>, DVector<f64>, DVector<f64>) {
-        let m = u.len();
-        let at = |node: Node, i: usize, y: f64| {
-            self.graph.evaluate(node, &EvaluationPoint { x: u[i], y, ..EvaluationPoint::default() })
-        };
-        let source = DVector::from_fn(m, |i, _| match self.force.get(i) {
-            Some(nodes) => at(nodes[0], i, exact[i]) - at(nodes[0], i, discrete[i]),
-            None => exact[i] - discrete[i],
-        });
-        let by_y =
-            DVector::from_fn(m, |i, _| self.force.get(i).map_or(1.0, |f| at(f[1], i, discrete[i])));
-        let by_r = DVector::from_fn(m, |i, _| {
-            let derivative = self.nonlinear.get(i).map_or(0.0, |&g| at(g, i, 0.0));
-            derivative + self.force.get(i).map_or(0.0, |f| at(f[2], i, discrete[i]))
-        });
-        (source, by_y, by_r)
     }
 
     /// The saddle point problem with the held functionals, and (Σ w_i δp_i²)^½ of the pressures; None if singular.

@@ -69,14 +69,6 @@ struct Response<const S: usize> {
     by_zeta: Mandel<S>,
 }
 
-impl<const S: usize> Response<S> {
-    /// The leading part of σ^k - σ.
-    fn stress(&self, strain: &Mandel<S>, zeta: f64) -> Mandel<S> {
-        let of = |i: usize| product(&self.tangent[i], strain) + zeta * self.by_zeta[i];
-        std::array::from_fn(|i| of(i) - self.source[i])
-    }
-}
-
 impl<const S: usize> InSpace<S> {
     /// Binds the exact solution to the mesh of `space`.
     ///
@@ -231,20 +223,59 @@ impl<const S: usize> InSpace<S> {
         if self.slope.is_some() {
             terms.push(RankOne { column, row });
         }
-        let error = solve(space, t, &values, right, &terms)?;
+        // (K + Σ a_i b_iᵀ)⁻¹ of it, by the Sherman–Morrison–Woodbury formula.
+        let dofs = space.dofs();
+        let analysis = space.analysis()?;
+        let (mut factor, mut workspace) = (analysis.factor(), analysis.workspace());
+        analysis.factorize(&space.pattern, &values, &mut factor, &mut workspace)?;
+        let mut front = Front::default();
+        let mut solved = |side: &[f64]| {
+            let mut x = side[..dofs].to_vec();
+            analysis.solve(&factor, &mut x, &mut front);
+            x
+        };
+        let mut error = solved(&right);
+        // nalgebra does not solve systems without rows.
+        if !terms.is_empty() {
+            let answers: Vec<Vec<f64>> = terms.iter().map(|term| solved(&term.column)).collect();
+            let along = |i: usize, vector: &[f64]| dot(&terms[i].row[..dofs], vector);
+            let capacitance = DMatrix::from_fn(terms.len(), terms.len(), |i, j| {
+                f64::from(u8::from(i == j)) + along(i, &answers[j])
+            });
+            let factors = capacitance.lu();
+            let pivots = factors.u().diagonal();
+            if pivots.iter().any(|pivot| pivot.is_nan() || pivot.abs() <= SINGULAR) {
+                return Err(NoConstant::Singular { t });
+            }
+            let rows = DVector::from_fn(terms.len(), |i, _| along(i, &error));
+            let shares = factors.solve(&rows).ok_or(NoConstant::Singular { t })?;
+            for (share, answer) in shares.iter().zip(&answers) {
+                axpy(-share, answer, &mut error);
+            }
+        }
+        error.resize(space.nodes.len(), 0.0);
         let strain: Vec<Mandel<S>> = strains(space, &error);
         // The level's contribution to the change of ζ.
         let share = match self.slope.is_some() && state.norm > 0.0 {
             true => state.weight * inner(space, &state.strain, &strain) / state.norm,
             false => 0.0,
         };
-        let stress: Vec<Mandel<S>> =
-            responses.iter().zip(&strain).map(|(response, e)| response.stress(e, share)).collect();
-        let balance = balancing(space, &stress);
+        // The leading part of σ^k - σ.
+        let stress = |(response, strain): (&Response<S>, &Mandel<S>)| -> Mandel<S> {
+            let of = |i: usize| product(&response.tangent[i], strain) + share * response.by_zeta[i];
+            std::array::from_fn(|i| of(i) - response.source[i])
+        };
+        let stress: Vec<Mandel<S>> = responses.iter().zip(&strain).map(stress).collect();
+        // The pressures that balance it at the vertices of Γ3: p_i = -(σ, ε(φ_i ν_i))/w_i.
+        let mut force = vec![0.0; space.nodes.len()];
+        for (at, tensor) in space.points().zip(&stress) {
+            add_force(&at, tensor, &mut force);
+        }
+        let balance = |i: usize| -normal(space, i, &force) / space.trace.points[i].weight;
         let pressure = answers.iter().enumerate().map(|(i, answer)| match answer {
             None => 0.0,
             Some(Answer::Slope(slope)) => slope * normal(space, i, &error),
-            Some(Answer::Held) => balance[i],
+            Some(Answer::Held) => balance(i),
         });
         let mut pressure: Vec<f64> = pressure.collect();
         space.trace.extend(&mut pressure);
@@ -300,51 +331,6 @@ pub(super) struct RankOne {
 /// Smaller pivots are zero up to rounding.
 const SINGULAR: f64 = 1e-9;
 
-/// (K + Σ a_i b_iᵀ)⁻¹ `right`, over all nodes, by the Sherman–Morrison–Woodbury formula; `values` are K's.
-///
-/// # Errors
-/// [`NoConstant::Singular`]; a K that cannot be factorized.
-pub(super) fn solve(
-    space: &Discretization,
-    t: f64,
-    values: &[f64],
-    mut right: Vec<f64>,
-    terms: &[RankOne],
-) -> Result<Vec<f64>, NoConstant> {
-    let dofs = space.dofs();
-    let analysis = space.analysis()?;
-    let (mut factor, mut workspace) = (analysis.factor(), analysis.workspace());
-    analysis.factorize(&space.pattern, values, &mut factor, &mut workspace)?;
-    let mut front = Front::default();
-    let mut solved = |side: &[f64]| {
-        let mut x = side[..dofs].to_vec();
-        analysis.solve(&factor, &mut x, &mut front);
-        x
-    };
-    let mut error = solved(&right);
-    // nalgebra does not solve systems without rows.
-    if !terms.is_empty() {
-        let answers: Vec<Vec<f64>> = terms.iter().map(|term| solved(&term.column)).collect();
-        let along = |i: usize, vector: &[f64]| dot(&terms[i].row[..dofs], vector);
-        let capacitance = DMatrix::from_fn(terms.len(), terms.len(), |i, j| {
-            f64::from(u8::from(i == j)) + along(i, &answers[j])
-        });
-        let factors = capacitance.lu();
-        let pivots = factors.u().diagonal();
-        if pivots.iter().any(|pivot| pivot.is_nan() || pivot.abs() <= SINGULAR) {
-            return Err(NoConstant::Singular { t });
-        }
-        let rows = DVector::from_fn(terms.len(), |i, _| along(i, &error));
-        let shares = factors.solve(&rows).ok_or(NoConstant::Singular { t })?;
-        for (share, answer) in shares.iter().zip(&answers) {
-            axpy(-share, answer, &mut error);
-        }
-    }
-    right.fill(0.0);
-    right[..dofs].copy_from_slice(&error);
-    Ok(right)
-}
-
 // Norms of the leading error in time: of functions of the element, and of tensors at its strain points.
 
 pub(super) struct Level<const S: usize> {
@@ -370,11 +356,20 @@ impl Largest {
     /// Includes a level; NaN is kept.
     pub(super) fn raise<const S: usize>(&mut self, space: &Discretization, level: &Level<S>) {
         let of_cells = |field: &[Mandel<S>]| inner(space, field, field).sqrt();
+        let d = space.mesh.dimension;
+        let squares = space.element.mean_square(d + 1);
+        let at = |&node: &u32| -> [f64; 3] {
+            std::array::from_fn(|i| if i < d { level.error[d * node as usize + i] } else { 0.0 })
+        };
+        let cell = |(c, &measure): (usize, &f64)| {
+            squares.over(measure, &space.cell_nodes(c).iter().map(at).collect::<Vec<_>>())
+        };
+        let in_the_body: f64 = space.geometry.measure.iter().enumerate().map(cell).sum();
         let trace: Vec<f64> =
             (0..space.trace.points.len()).map(|i| normal(space, i, &level.error)).collect();
         let values = [
             of_cells(&level.strain),
-            in_the_body(space, &level.error),
+            in_the_body.sqrt(),
             of_cells(&level.stress),
             on_the_contact_side(space, &trace),
             on_the_contact_side(space, &level.pressure),
@@ -389,32 +384,10 @@ impl Largest {
     }
 }
 
-/// The pressures that balance a stress at the vertices of Γ3: p_i = -(σ, ε(φ_i ν_i))/w_i.
-pub(super) fn balancing<const S: usize>(space: &Discretization, stress: &[Mandel<S>]) -> Vec<f64> {
-    let mut force = vec![0.0; space.nodes.len()];
-    for (at, tensor) in space.points().zip(stress) {
-        add_force(&at, tensor, &mut force);
-    }
-    let points = space.trace.points.iter().enumerate();
-    points.map(|(i, point)| -normal(space, i, &force) / point.weight).collect()
-}
-
 /// v·ν at a point of the trace, by the components of its node.
 pub(super) fn normal(space: &Discretization, i: usize, nodal: &[f64]) -> f64 {
     let (point, d) = (&space.trace.points[i], space.mesh.dimension);
     (0..d).map(|j| point.normal[j] * nodal[d * point.node as usize + j]).sum()
-}
-
-fn in_the_body(space: &Discretization, nodal: &[f64]) -> f64 {
-    let d = space.mesh.dimension;
-    let squares = space.element.mean_square(d + 1);
-    let at = |&node: &u32| -> [f64; 3] {
-        std::array::from_fn(|i| if i < d { nodal[d * node as usize + i] } else { 0.0 })
-    };
-    let cell = |(c, &measure): (usize, &f64)| {
-        squares.over(measure, &space.cell_nodes(c).iter().map(at).collect::<Vec<_>>())
-    };
-    space.geometry.measure.iter().enumerate().map(cell).sum::<f64>().sqrt()
 }
 
 /// ‖f‖ in L²(Γ3) of values at the points of the trace.

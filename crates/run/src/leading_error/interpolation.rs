@@ -7,10 +7,12 @@ use algebra::in_dimension;
 use exact::constitutive::{Tensor, full, stress};
 use exact::{ComplianceRule, Exact, InterpolatedOnMesh, NodalStrain};
 use fem::contact::{Discretization, LoadError};
+use fem::space::Element;
 use fem::space::quadrature::Rule;
 use formula::{BoundProgram, Program};
 use judge::verdict::{LeadingLine, LeadingPoint, MeshAndSteps as Case};
 use scene::setup::Setup;
+use scene::{Hypothesis, MeshFamily, Norm};
 use std::sync::Arc;
 
 /// I_h u is superclose: ‖ε(I_h u - u_h)‖ is O(h^(3/2)) at worst, so by orthogonality the squares of ‖ε(u - u_h)‖ and
@@ -111,13 +113,33 @@ const ALL_TIMES: u32 = 32;
 /// Times tried on finer meshes: those of the largest errors on the next coarser one.
 const TRIED: usize = 3;
 
-/// The largest interpolation errors over the grids of the cases, of ε or, if `of_stress`, of σ.
-pub(super) fn over_cases(
+/// The largest interpolation errors over the grids of the cases, of ε or of σ.
+pub(super) fn in_space_direction(
     setup: &Setup,
-    exact: &Arc<Exact>,
-    of_stress: bool,
+    norm: Norm,
     cases: &[Case],
 ) -> Result<LeadingLine, NoConstant> {
+    let violated = |hypothesis| setup.scene.violates.contains(&hypothesis);
+    let Some(exact) = &setup.exact else { return Err(NoConstant::NoExact) };
+    // ‖u - u_h‖ is of the order of ‖u - I_h u‖ but not equal to leading order, so L² norms of u have no leading error
+    // here.
+    let of_stress = match norm {
+        Norm::VMax => false,
+        Norm::StressL2Max => true,
+        other => return Err(NoConstant::InSpace { norm: other.name() }),
+    };
+    if setup.body.domain.mesh != MeshFamily::Structured {
+        return Err(NoConstant::Mesh);
+    }
+    if setup.body.element.degree() > 2 {
+        return Err(NoConstant::Degree { element: setup.body.element.name() });
+    }
+    if of_stress && setup.body.element != Element::P1 {
+        return Err(NoConstant::Element { element: setup.body.element.name() });
+    }
+    if violated(Hypothesis::RegularInSpace) || violated(Hypothesis::ConcaveGap) {
+        return Err(NoConstant::Regularity);
+    }
     let degree = setup.body.element.degree() as i32;
     let mut sorted: Vec<(u32, Case)> =
         cases.iter().filter_map(|&case| Some((case.n?, case))).collect();

@@ -29,17 +29,20 @@ pub use interpolation::InterpolationError;
 /// A case of a scene whose errors are predicted.
 pub use judge::verdict::MeshAndSteps as Case;
 
+use std::collections::btree_map::Entry;
+use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
+use algebra::in_dimension;
 use exact::Exact;
-use fem::contact::Discretization;
-use fem::space::Element;
 use in_space::Largest;
 use judge::verdict::{LeadingLine, LeadingPoint};
-use scene::setup::{AbstractSetup, Setup, Subject};
-use scene::{Direction, Hypothesis, MeshFamily, Norm};
+use scene::setup::{Setup, Subject};
+use scene::{Direction, Norm, Prediction};
 use sums::{largest_step, times};
 
+/// Steps of the reference run for time errors, as a multiple of the case's.
+pub(crate) const TIME_REFERENCE: u32 = 8;
 /// The linearisation error is the size of the error over that of the solution: 1e-5 on the finest steps of the shipped
 /// scenes, with a safety factor 10. If a contact state changes within the error the share does not fall with k, and the
 /// scene has to state it.
@@ -47,52 +50,63 @@ const IN_TIME: f64 = 1e-4;
 /// Steps beyond which direct sums are not worth their cost: the error is long asymptotic.
 const MOST_STEPS: u32 = 1024;
 
-/// What is measured, and against which reference.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct MeasuredNorm {
-    pub norm: Norm,
-    pub variable: Direction,
-    /// The predicted order in it.
-    pub order: f64,
-    /// Steps of the reference for time errors, as a multiple of the case's.
-    pub time_reference: u32,
-}
-
-/// Computed time errors, shared by the norms and predictions of a scene.
+/// Computed time errors, shared by the norms and predictions of a scene: by the cases of one mesh and whether u(t) had to be
+/// in V^h the largest step and errors of each computed case.
 #[derive(Debug, Default)]
-pub struct InTime(Vec<OfMesh>);
+pub struct InTime(BTreeMap<(Vec<Case>, bool), Vec<(Case, f64, Largest)>>);
 
-/// The cases of one mesh, whether u(t) had to be in V^h, and the largest step and errors of each computed case.
-#[derive(Debug)]
-struct OfMesh {
-    cases: Vec<Case>,
-    in_space: bool,
-    errors: Vec<(Case, f64, Largest)>,
-}
-
-/// The leading errors of `cases` of a scene, in the order of the cases, or why there are none; reuses what has been
-/// computed for other norms of the scene.
+/// The leading errors of `cases` of a scene, in the order of the cases, in a norm and a direction with its predicted order,
+/// or why there are none; reuses what has been computed for other norms of the scene.
 pub fn leading_errors(
     subject: &Subject,
-    measured: &MeasuredNorm,
+    (norm, variable, order): (Norm, Direction, f64),
     cases: &[Case],
     known: &mut InTime,
 ) -> Result<LeadingLine, NoConstant> {
-    match subject {
-        Subject::Abstract(setup) => of_abstract(setup, measured.norm, cases),
-        Subject::Contact(setup) => match measured.variable {
-            Direction::H => in_space_direction(setup, measured, cases),
-            Direction::K => in_time_direction(setup, measured, cases, known),
-            Direction::Joint | Direction::Path => Err(NoConstant::Joint),
-        },
+    let setup = match (subject, variable) {
+        (Subject::Abstract(setup), _) => {
+            let points = of_few_steps(cases, MOST_STEPS).map(|&Case { n, steps }| {
+                let times = times(&setup.scene.time, steps);
+                let error = finite::largest_error(setup, norm, &times)?;
+                Ok(LeadingPoint { n, steps, h: None, k: largest_step(&times), error })
+            });
+            let points = points.collect::<Result<_, NoConstant>>()?;
+            return Ok(LeadingLine { points, limit: None, tolerance: IN_TIME });
+        }
+        (Subject::Contact(_), Direction::Joint | Direction::Path) => return Err(NoConstant::Joint),
+        (Subject::Contact(setup), Direction::H) => {
+            return interpolation::in_space_direction(setup, norm, cases);
+        }
+        (Subject::Contact(setup), Direction::K) => setup,
+    };
+    let Some(exact) = &setup.exact else { return Err(NoConstant::NoExact) };
+    let interpolated = setup.body.data.is_interpolated();
+    let of = |errors: Largest| errors.of(norm).ok_or(NoConstant::Norm { norm: norm.name() });
+    of(Largest::default())?;
+    // A reference of M times the steps has M^-order of the error.
+    let beside_finer = norm == Norm::VTimeMax;
+    let share = if beside_finer { 1.0 - f64::from(TIME_REFERENCE).powf(-order) } else { 1.0 };
+    let mut points = Vec::with_capacity(cases.len());
+    let ns: BTreeSet<u32> = cases.iter().filter_map(|case| case.n).collect();
+    let h = |n: u32| setup.body.domain.h(n);
+    let finest = ns.last().filter(|_| beside_finer);
+    let tolerance = finest.map_or(IN_TIME, |&n| interpolation::along_the_interpolant(setup, h(n)));
+    let in_space = !beside_finer && !interpolated;
+    for n in ns {
+        let of_mesh: Vec<Case> = cases.iter().copied().filter(|case| case.n == Some(n)).collect();
+        let h = Some(h(n));
+        for &(Case { n, steps }, k, errors) in known.of_mesh(setup, exact, of_mesh, in_space)? {
+            points.push(LeadingPoint { n, steps, h, k, error: share * of(errors)? });
+        }
     }
+    Ok(LeadingLine { points, limit: None, tolerance })
 }
 
 /// The error, on the finest of `cases`, of the direction that is not refined: in time that along the interpolant on the
 /// coarsest mesh, where it is cheap, in space that of the interpolant. None where it is not known or cannot be in the way.
 pub fn other_error(
     subject: &Subject,
-    measured: &MeasuredNorm,
+    &Prediction { norm, variable, .. }: &Prediction,
     cases: &[Case],
     known: &mut InTime,
 ) -> Option<f64> {
@@ -100,102 +114,20 @@ pub fn other_error(
     let exact = setup.exact.as_ref()?;
     let steps = cases.iter().map(|case| case.steps).max().filter(|steps| *steps <= MOST_STEPS)?;
     let ns = cases.iter().filter_map(|case| case.n);
-    match measured.variable {
+    match variable {
         Direction::H => {
             let coarsest = Case { n: Some(ns.min()?), steps };
             let errors = known.of_mesh(setup, exact, vec![coarsest], false).ok()?;
-            errors.first()?.2.of(measured.norm)
+            errors.first()?.2.of(norm)
         }
-        Direction::K if measured.norm == Norm::VTimeMax || setup.body.data.is_interpolated() => {
-            None
-        }
+        Direction::K if norm == Norm::VTimeMax || setup.body.data.is_interpolated() => None,
         Direction::K => {
             let finest = Case { n: Some(ns.max()?), steps };
-            let line = in_space_direction(setup, measured, &[finest]).ok()?;
+            let line = interpolation::in_space_direction(setup, norm, &[finest]).ok()?;
             line.points.first().map(|point| point.error)
         }
         Direction::Joint | Direction::Path => None,
     }
-}
-
-fn of_abstract(
-    setup: &AbstractSetup,
-    norm: Norm,
-    cases: &[Case],
-) -> Result<LeadingLine, NoConstant> {
-    let points = of_few_steps(cases, MOST_STEPS).map(|&Case { n, steps }| {
-        let times = times(&setup.scene.time, steps);
-        let error = finite::largest_error(setup, norm, &times)?;
-        Ok(LeadingPoint { n, steps, h: None, k: largest_step(&times), error })
-    });
-    let points = points.collect::<Result<_, NoConstant>>()?;
-    Ok(LeadingLine { points, limit: None, tolerance: IN_TIME })
-}
-
-fn in_space_direction(
-    setup: &Setup,
-    measured: &MeasuredNorm,
-    cases: &[Case],
-) -> Result<LeadingLine, NoConstant> {
-    let violated = |hypothesis| setup.scene.violates.contains(&hypothesis);
-    let Some(exact) = &setup.exact else { return Err(NoConstant::NoExact) };
-    // ‖u - u_h‖ is of the order of ‖u - I_h u‖ but not equal to leading order, so L² norms of u have no leading error
-    // here.
-    let of_stress = match measured.norm {
-        Norm::VMax => false,
-        Norm::StressL2Max => true,
-        other => return Err(NoConstant::InSpace { norm: other.name() }),
-    };
-    if setup.body.domain.mesh != MeshFamily::Structured {
-        return Err(NoConstant::Mesh);
-    }
-    if setup.body.element.degree() > 2 {
-        return Err(NoConstant::Degree { element: setup.body.element.name() });
-    }
-    if of_stress && setup.body.element != Element::P1 {
-        return Err(NoConstant::Element { element: setup.body.element.name() });
-    }
-    if violated(Hypothesis::RegularInSpace) || violated(Hypothesis::ConcaveGap) {
-        return Err(NoConstant::Regularity);
-    }
-    interpolation::over_cases(setup, exact, of_stress, cases)
-}
-
-fn in_time_direction(
-    setup: &Setup,
-    measured: &MeasuredNorm,
-    cases: &[Case],
-    known: &mut InTime,
-) -> Result<LeadingLine, NoConstant> {
-    let Some(exact) = &setup.exact else { return Err(NoConstant::NoExact) };
-    let interpolated = setup.body.data.is_interpolated();
-    let norm = measured.norm;
-    let of = |errors: Largest| errors.of(norm).ok_or(NoConstant::Norm { norm: norm.name() });
-    of(Largest::default())?;
-    // A reference of M times the steps has M^-order of the error.
-    let share = match norm {
-        Norm::VTimeMax => 1.0 - f64::from(measured.time_reference).powf(-measured.order),
-        _ => 1.0,
-    };
-    let mut points = Vec::with_capacity(cases.len());
-    let mut ns: Vec<u32> = cases.iter().filter_map(|case| case.n).collect();
-    ns.sort_unstable();
-    ns.dedup();
-    let tolerance = match (measured.norm, ns.last()) {
-        (Norm::VTimeMax, Some(&n)) => {
-            interpolation::along_the_interpolant(setup, setup.body.domain.h(n))
-        }
-        _ => IN_TIME,
-    };
-    let in_space = measured.norm != Norm::VTimeMax && !interpolated;
-    for n in ns {
-        let of_mesh: Vec<Case> = cases.iter().copied().filter(|case| case.n == Some(n)).collect();
-        let h = Some(setup.body.domain.h(n));
-        for &(Case { n, steps }, k, errors) in known.of_mesh(setup, exact, of_mesh, in_space)? {
-            points.push(LeadingPoint { n, steps, h, k, error: share * of(errors)? });
-        }
-    }
-    Ok(LeadingLine { points, limit: None, tolerance })
 }
 
 impl InTime {
@@ -207,45 +139,30 @@ impl InTime {
         cases: Vec<Case>,
         in_space: bool,
     ) -> Result<&[(Case, f64, Largest)], NoConstant> {
-        let same = |known: &OfMesh| known.cases == cases && known.in_space == in_space;
-        let at = match self.0.iter().position(same) {
-            Some(at) => at,
-            None => {
-                let n = cases.first().and_then(|case| case.n).unwrap_or_default();
-                let space = setup.space(n).map_err(|error| NoConstant::Setup(error.to_string()))?;
-                let on_mesh = match space.mesh.dimension {
-                    2 => time_errors::<3>,
-                    _ => time_errors::<6>,
-                };
-                let errors = on_mesh(setup, exact, space, &cases, in_space)?;
-                self.0.push(OfMesh { cases, in_space, errors });
-                self.0.len() - 1
-            }
+        let new = match self.0.entry((cases, in_space)) {
+            Entry::Occupied(known) => return Ok(known.into_mut()),
+            Entry::Vacant(new) => new,
         };
-        Ok(&self.0[at].errors)
+        let (time, memory) = (&setup.scene.time, &setup.body.material.memory);
+        let cases = &new.key().0;
+        let n = cases.first().and_then(|case| case.n).unwrap_or_default();
+        let space = setup.space(n).map_err(|error| NoConstant::Setup(error.to_string()))?;
+        if memory.iter().any(|term| term.inner.is_some()) {
+            return Err(NoConstant::Nested);
+        }
+        let errors = in_dimension!(space.mesh.dimension, D, S => {
+            let body = in_space::InSpace::<S>::new(exact.clone(), space, time.rule, memory)?;
+            if in_space && !body.holds_the_solution(time.horizon)? {
+                return Err(NoConstant::NotInSpace);
+            }
+            let error = |&case: &Case| {
+                let times = times(time, case.steps);
+                Ok((case, largest_step(&times), body.largest_errors(&times)?))
+            };
+            of_few_steps(cases, body.most_steps()).map(error).collect::<Result<_, NoConstant>>()?
+        });
+        Ok(new.insert(errors))
     }
-}
-
-fn time_errors<const S: usize>(
-    setup: &Setup,
-    exact: &Arc<Exact>,
-    space: Arc<Discretization>,
-    cases: &[Case],
-    in_space: bool,
-) -> Result<Vec<(Case, f64, Largest)>, NoConstant> {
-    let (rule, memory) = (setup.scene.time.rule, &setup.body.material.memory);
-    if memory.iter().any(|term| term.inner.is_some()) {
-        return Err(NoConstant::Nested);
-    }
-    let body = in_space::InSpace::<S>::new(exact.clone(), space, rule, memory)?;
-    if in_space && !body.holds_the_solution(setup.scene.time.horizon)? {
-        return Err(NoConstant::NotInSpace);
-    }
-    let error = |&case: &Case| {
-        let times = times(&setup.scene.time, case.steps);
-        Ok((case, largest_step(&times), body.largest_errors(&times)?))
-    };
-    of_few_steps(cases, body.most_steps()).map(error).collect()
 }
 
 /// The cases of up to `most` steps; if all have more, those of the fewest.

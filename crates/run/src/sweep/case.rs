@@ -1,6 +1,7 @@
 //! One case: march, errors at every step, their maxima over time.
 
-use super::plan::{CasePlan, TIME_REFERENCE};
+use super::plan::CasePlan;
+use crate::leading_error::TIME_REFERENCE;
 use algebra::linalg::larger;
 use fem::contact::{CaseError, CaseInfo, Floors, LoadError, StepView, strain_distance};
 use fem::norms::{

@@ -1,7 +1,8 @@
 //! Predicted size of cases. Bytes are counted from the symbolic factor, the formulas and the number of levels; they
 //! decide what runs in parallel and what is refused. Unknowns times steps decide the order of cases.
 
-use super::plan::{CasePlan, TIME_REFERENCE};
+use super::plan::CasePlan;
+use crate::leading_error::TIME_REFERENCE;
 use fem::contact::{Discretization, Plan};
 use fem::space::quadrature::TruthRules;
 use formula::Program;

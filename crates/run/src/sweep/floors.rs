@@ -10,7 +10,8 @@ use super::case::{
     ERROR_RULE, as_floors, floor_in, reference_share, scene_reference, time_reference_floor,
 };
 use super::cost::Cost;
-use super::plan::{CasePlan, TIME_REFERENCE};
+use super::plan::CasePlan;
+use crate::leading_error::TIME_REFERENCE;
 use fem::contact::{CaseError, CaseInfo, Floors, LevelFields, LoadError, strain_distance};
 use fem::norms::step_errors;
 use fem::space::quadrature::TruthRules;

@@ -1,15 +1,15 @@
 //! From a scene's predictions to verdicts on records.
 
-use super::plan::{CasePlan, ScenePlan, TIME_REFERENCE};
-use crate::leading_error::{Case, InTime, MeasuredNorm, NoConstant, leading_errors, other_error};
+use super::plan::{CasePlan, ScenePlan};
+use crate::leading_error::{Case, InTime, NoConstant, leading_errors, other_error};
 use judge::fit::{AgainstReference, against_reference};
-use judge::record::{CaseRecord, Key, V_MAX};
+use judge::record::{CaseRecord, Key, Status, V_MAX};
 use judge::verdict;
 use judge::verdict::{
     Decision, FloorSource, Foreseen, ForeseenConstant, LeadingLine, MeshAndSteps, Verdict,
 };
 use scene::setup::Subject;
-use scene::{Data, Direction, Hypothesis, LoadForm, Prediction, Scene, Time, TimeGrid};
+use scene::{Data, Hypothesis, LoadForm, Prediction, Scene, Time, TimeGrid};
 
 /// The verdicts of a scene; none if it is not judged. `foreseen` has predicted constants, of this scene and others.
 pub fn judge_scene(
@@ -100,18 +100,14 @@ pub fn judge_subject(subject: &Subject, records: &[CaseRecord], expected: &[Key]
     let mut known = InTime::default();
     for (line, written) in foreseen.iter_mut().zip(&scene.predicts) {
         let cases = line_places(scene, records, &prediction(scene, written));
-        line.other_error = other_error(subject, &measured(written), &cases, &mut known);
+        line.other_error = other_error(subject, written, &cases, &mut known);
     }
     judge_scene(scene, records, expected, &foreseen)
 }
 
 /// The predicted constants of a judged scene, on the recorded cases of its predictions.
 pub fn foresee(subject: &Subject, records: &[CaseRecord]) -> Vec<ForeseenConstant> {
-    let scene = subject.scene();
-    if !scene.judge {
-        return Vec::new();
-    }
-    constants(subject, |_, prediction| line_places(scene, records, prediction))
+    if subject.scene().judge { constants(subject, records) } else { Vec::new() }
 }
 
 fn line_places(
@@ -125,91 +121,47 @@ fn line_places(
 
 /// The predicted constants of a scene, on the cases of a plan, before anything is solved.
 pub fn foresee_plan(plan: &ScenePlan) -> Vec<ForeseenConstant> {
-    constants(&plan.subject, |written, _| {
-        line_cases(plan, written).into_iter().map(CasePlan::place).collect()
-    })
+    // As if every case had an error: its size is in no constant.
+    let measured = |case: &CasePlan| {
+        let mut record = CaseRecord { status: Status::Converged, ..plan.unmeasured(case) };
+        let errors = record.errors.iter_mut();
+        errors.for_each(|entry| (entry.error, entry.floor) = (Some(1.0), Some(0.0)));
+        record
+    };
+    constants(&plan.subject, &plan.cases.iter().map(measured).collect::<Vec<_>>())
 }
 
-fn constants(
-    subject: &Subject,
-    cases: impl Fn(&Prediction, &verdict::Prediction) -> Vec<Case>,
-) -> Vec<ForeseenConstant> {
+fn constants(subject: &Subject, records: &[CaseRecord]) -> Vec<ForeseenConstant> {
     let (scene, mut known) = (subject.scene(), InTime::default());
     let one = |written: &Prediction| {
         let prediction = prediction(scene, written);
-        let cases = cases(written, &prediction);
-        ForeseenConstant {
-            scene: scene.name.clone(),
-            norm: prediction.norm,
-            variable: prediction.variable,
-            foreseen: foreseen(subject, written, &cases, &mut known),
-            other_error: None,
-        }
+        let cases = line_places(scene, records, &prediction);
+        let line = (written.norm, written.variable, written.order);
+        let leading = match written.constant {
+            true => leading_errors(subject, line, &cases, &mut known),
+            false => Err(NoConstant::OptedOut),
+        };
+        let foreseen = match leading {
+            Err(reason) => Foreseen::Nothing { not_predicted: reason.to_string() },
+            Ok(leading) => {
+                let tolerance = written.constant_within.unwrap_or(leading.tolerance);
+                Foreseen::Leading(LeadingLine { tolerance, ..leading })
+            }
+        };
+        let verdict::Prediction { norm, variable, .. } = prediction;
+        ForeseenConstant { scene: scene.name.clone(), norm, variable, foreseen, other_error: None }
     };
     scene.predicts.iter().map(one).collect()
 }
 
-fn line_cases<'a>(plan: &'a ScenePlan, written: &Prediction) -> Vec<&'a CasePlan> {
-    let prediction = prediction(plan.scene(), written);
-    let inside = |window: Option<[u32; 2]>, value: u32| {
-        window.is_none_or(|[first, last]| (first..=last).contains(&value))
-    };
-    let serves = |case: &&CasePlan| {
-        case.norms.contains(&written.norm)
-            && inside(prediction.window_steps, case.steps)
-            && case.n.is_none_or(|n| inside(prediction.window_n, n))
-    };
-    let cases: Vec<&CasePlan> = plan.cases.iter().filter(serves).collect();
-    let steps = cases.iter().map(|case| case.steps).max();
-    let finest = cases.iter().filter_map(|case| case.n).max();
-    let on_line = |case: &&CasePlan| match written.variable {
-        Direction::H => Some(case.steps) == steps,
-        Direction::K => case.n == finest,
-        Direction::Joint | Direction::Path => true,
-    };
-    cases.into_iter().filter(on_line).collect()
-}
-
-fn foreseen(
-    subject: &Subject,
-    written: &Prediction,
-    cases: &[Case],
-    known: &mut InTime,
-) -> Foreseen {
-    let leading = match written.constant {
-        true => leading_errors(subject, &measured(written), cases, known),
-        false => Err(NoConstant::OptedOut),
-    };
-    match leading {
-        Err(reason) => Foreseen::Nothing { not_predicted: reason.to_string() },
-        Ok(leading) => {
-            let tolerance = written.constant_within.unwrap_or(leading.tolerance);
-            Foreseen::Leading(LeadingLine { tolerance, ..leading })
-        }
-    }
-}
-
-fn measured(written: &Prediction) -> MeasuredNorm {
-    MeasuredNorm {
-        norm: written.norm,
-        variable: written.variable,
-        order: written.order,
-        time_reference: TIME_REFERENCE,
-    }
-}
-
-/// The source of a scene's floors: nothing is integrated of exact fields in V^h or in ℝ^m, and a reference run has an
-/// error.
-fn floor_source(scene: &Scene) -> FloorSource {
-    match scene.as_contact().map(|body| &body.data) {
+fn prediction(scene: &Scene, written: &Prediction) -> verdict::Prediction {
+    // Nothing is integrated of exact fields in V^h or in ℝ^m, and a reference run has an error.
+    let floor = match scene.as_contact().map(|body| &body.data) {
         None | Some(Data::Exact { interpolated: true, .. }) => FloorSource::Solver,
         Some(Data::Exact { form: LoadForm::Strong, .. }) => FloorSource::LoadQuadrature,
         Some(Data::Exact { .. }) => FloorSource::Quadrature,
         Some(_) => FloorSource::Reference,
-    }
-}
-
-fn prediction(scene: &Scene, written: &Prediction) -> verdict::Prediction {
+    };
     verdict::Prediction {
         norm: written.norm.name().into(),
         variable: written.variable,
@@ -220,7 +172,7 @@ fn prediction(scene: &Scene, written: &Prediction) -> verdict::Prediction {
         why: written.why.clone(),
         window_n: written.window_n.or(scene.window_n),
         window_steps: written.window_steps.or(scene.window_steps),
-        floor: floor_source(scene),
+        floor,
         reference: scene
             .sweep
             .as_ref()

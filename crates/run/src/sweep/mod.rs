@@ -26,7 +26,7 @@ pub use judging::{
 pub use plan::{CasePlan, Overrides, ScenePlan, lowest_common_multiple, without_panic};
 pub(crate) use provenance::first_named;
 pub use provenance::{
-    Build, Circumstances, OutputDirectory, OutputError, Planned, Provenance, ResumeError, Resumed,
+    Build, Circumstances, OutputDirectory, OutputError, Planned, Provenance, Resumed,
     missing_cases, planned, resume,
 };
 pub use run::{Machine, Progress, SweepError, replace_records, run_sweep};

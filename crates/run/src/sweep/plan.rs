@@ -3,6 +3,7 @@
 use super::admission::least_bytes_of_mesh;
 use super::cost::{PlanCost, abstract_costs, contact_costs};
 use super::floors::{FloorRow, abstract_floors, contact_floors, direct_history};
+use crate::leading_error::TIME_REFERENCE;
 use judge::record::{CaseRecord, Key, NormError, Status};
 use judge::verdict::{ComparedRun, MeshAndSteps};
 use scene::setup::{Setup, SetupError, StepRemark, Subject, check_step_sizes};
@@ -51,9 +52,6 @@ pub struct ScenePlan {
     /// The finer run used as reference, if the scene has no exact solution.
     pub reference: Option<Reference>,
 }
-
-/// Steps of the reference run for time errors, as a multiple of the case's.
-pub(crate) const TIME_REFERENCE: u32 = 8;
 
 impl ScenePlan {
     /// The plan of a scene; `overrides` replace its grids.
