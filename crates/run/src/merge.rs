@@ -8,8 +8,8 @@ use crate::sweep::{Overrides, Provenance, ScenePlan, first_named, judge_plan, mi
 use files::{FileError, counted, read_text};
 use judge::record::{CaseRecord, Key, RecordError, Status, read_finished};
 use judge::verdict::{Baseline, Comparison, DocumentError, Verdict, read_earlier, restore_reasons};
+use scene::SceneError;
 use scene::setup::{SetupError, Subject};
-use scene::{Scene, SceneError};
 
 /// Missing cases that are named before the rest is counted.
 const NAMED: usize = 10;
@@ -166,16 +166,6 @@ impl Parts {
         Ok(())
     }
 
-    /// A scene, from the text in its first part.
-    fn scene(&self, name: &str) -> Result<Scene, MergeError> {
-        let dir = &self.first[name];
-        let scene = self.known.scene(dir, name).map_err(Box::new)?;
-        scene.ok_or_else(|| {
-            let reason = format!("no text of the scene `{name}`");
-            MergeError::File { path: dir.join("provenance.json"), reason }
-        })
-    }
-
     /// Merges and judges. The cases that have to be there are those `wanted`, or else the grids of the scenes' files. With
     /// `incomplete`, missing cases of a scene that is there are recorded as skipped. Cases that `baseline` has are compared.
     ///
@@ -212,7 +202,13 @@ impl Parts {
                 missing.extend(of_scene.cloned());
                 continue;
             }
-            let subject = Subject::new(self.scene(name)?).map_err(Box::new)?;
+            // From the text in its first part.
+            let dir = &self.first[name];
+            let scene = self.known.scene(dir, name).map_err(Box::new)?.ok_or_else(|| {
+                let reason = format!("no text of the scene `{name}`");
+                MergeError::File { path: dir.join("provenance.json"), reason }
+            })?;
+            let subject = Subject::new(scene).map_err(Box::new)?;
             let mut plan = ScenePlan::new(subject, &Overrides::default());
             let own_grids = wanted.is_none() || plan.keys().iter().eq(of_scene.clone());
             if !own_grids {

@@ -78,19 +78,16 @@ pub fn admit_plan(
     // The case that makes the mesh reports its errors.
     let Ok(PlanCost { cases, .. }) = plan.costs() else { return Ok(()) };
     let cases: Vec<(&CasePlan, &Cost)> = plan.cases.iter().zip(&cases).collect();
-    let bytes = PROGRAM + together(&cases, jobs) + beside(&cases);
-    let dearest = cases.iter().max_by(|a, b| a.1.memory_bytes.total_cmp(&b.1.memory_bytes));
-    let Some((case, _)) = dearest else { return Ok(()) };
-    admitted(limit, bytes, false, name, (case.n, case.steps))
-}
-
-/// Bytes of the most expensive `jobs` cases, and of what all meshes keep.
-fn together(cases: &[(&CasePlan, &Cost)], jobs: usize) -> f64 {
+    // The most expensive `jobs` cases, and what all meshes keep.
     let mut working: Vec<f64> =
         cases.iter().map(|(_, cost)| cost.memory_bytes - PROGRAM - cost.kept_bytes).collect();
     working.sort_by(|a, b| b.total_cmp(a));
     let kept = kept_by_meshes(cases.iter().map(|(case, cost)| (case.n, *cost)));
-    working.iter().take(jobs).sum::<f64>() + kept
+    let together = working.iter().take(jobs).sum::<f64>() + kept;
+    let bytes = PROGRAM + together + beside(&cases);
+    let dearest = cases.iter().max_by(|a, b| a.1.memory_bytes.total_cmp(&b.1.memory_bytes));
+    let Some((case, _)) = dearest else { return Ok(()) };
+    admitted(limit, bytes, false, name, (case.n, case.steps))
 }
 
 /// Refuses a scene whose trace constants do not fit, before it is set up: they enter (2.9) and the step bound if the

@@ -4,9 +4,7 @@ use super::plan::CasePlan;
 use crate::leading_error::TIME_REFERENCE;
 use algebra::linalg::larger;
 use fem::contact::{CaseError, CaseInfo, Floors, LoadError, StepView, strain_distance};
-use fem::norms::{
-    ContactState, ElasticProjection, StateErrors, StepErrors, state_errors, step_errors,
-};
+use fem::norms::{ContactState, ElasticProjection, StepErrors, state_errors, step_errors};
 use judge::record::{CaseRecord, NormError, Status};
 use scene::setup::{AbstractLoad, AbstractRun, AbstractSetup, MeshData, Setup};
 use scene::{Norm, Reference};
@@ -89,7 +87,14 @@ fn measure(
             maxima.raise(norm, value);
         }
         if by_state && let Some(samples) = data.truth.contact_samples(view.t)? {
-            maxima.raise_by_state(&state_errors(&data.space, view, &samples));
+            let errors = state_errors(&data.space, view, &samples);
+            for (i, state) in ContactState::ALL.into_iter().enumerate() {
+                if errors.measure[i] > 0.0 {
+                    maxima.raise(Norm::TraceMax(state), errors.trace[i]);
+                    maxima.raise(Norm::PressureMax(state), errors.pressure[i]);
+                }
+            }
+            maxima.raise(Norm::ContactMeasureMax, errors.set_difference);
         }
         if let Some(finer) = &finer {
             let reason = || format!("the finer run has no step at t = {}", view.t);
@@ -123,16 +128,6 @@ impl Maxima {
     fn raise(&mut self, norm: Norm, value: f64) {
         let known = self.0.entry(norm).or_insert(value);
         *known = larger(*known, value);
-    }
-
-    fn raise_by_state(&mut self, errors: &StateErrors) {
-        for (i, state) in ContactState::ALL.into_iter().enumerate() {
-            if errors.measure[i] > 0.0 {
-                self.raise(Norm::TraceMax(state), errors.trace[i]);
-                self.raise(Norm::PressureMax(state), errors.pressure[i]);
-            }
-        }
-        self.raise(Norm::ContactMeasureMax, errors.set_difference);
     }
 
     fn errors(&self, norms: &[Norm], converged: bool, floors: &CaseFloors) -> Vec<NormError> {

@@ -69,7 +69,17 @@ pub(super) fn contact_costs(
     reference: Option<Reference>,
     kept_steps: u32,
 ) -> Result<PlanCost, SetupError> {
-    let reference = reference.map(|run| reference_cost(setup, run, kept_steps)).transpose()?;
+    let of_reference = |reference: Reference| -> Result<Cost, SetupError> {
+        let space = setup.space(reference.n)?;
+        let run = march(setup, &space, reference.steps);
+        // u and σ of the levels that cases use.
+        let tensors = tensor_numbers(&space) * space.mesh.cell_count();
+        let kept = f64::from(kept_steps.min(reference.steps)) + 1.0;
+        let levels = 8.0 * kept * (space.dofs() + tensors) as f64;
+        let kept_bytes = levels + SPACE * space.pattern.entries() as f64;
+        Ok(Cost { memory_bytes: PROGRAM + run.memory_bytes + levels, kept_bytes, ..run })
+    };
+    let reference = reference.map(of_reference).transpose()?;
     let mut order: Vec<usize> = (0..cases.len()).collect();
     order.sort_by_key(|&c| cases[c].n);
     let mut costs = vec![Cost::UNKNOWN; cases.len()];
@@ -81,7 +91,16 @@ pub(super) fn contact_costs(
             cost.memory_bytes += reference.map_or(0.0, |run| run.memory_bytes - PROGRAM);
             costs[c] = cost;
         }
-        leave(setup, truth.a_time, of_mesh, cases, &mut costs);
+        // What they find there from longer ones, which begin first: exact fields at times of those alone. A case with only time
+        // errors keeps more, about as much as it leaves.
+        let mut longest_first = of_mesh.to_vec();
+        longest_first.sort_by(|&a, &b| costs[b].work.total_cmp(&costs[a].work));
+        let mut known = BTreeSet::new();
+        for c in longest_first {
+            let grid = setup.grid(cases[c].steps);
+            known.extend(grid.times().iter().map(|time| time.to_bits()));
+            costs[c].left_bytes = truth.a_time * (known.len() - grid.times().len()) as f64;
+        }
     }
     Ok(PlanCost { cases: costs, reference })
 }
@@ -99,19 +118,6 @@ pub(super) fn abstract_costs(setup: &AbstractSetup, cases: &[CasePlan]) -> PlanC
         }
     };
     PlanCost { cases: cases.iter().map(cost).collect(), reference: None }
-}
-
-/// Adds what cases find on their mesh from longer ones, which begin first: `a_time` bytes for each time of those alone.
-/// A case with only time errors keeps more, about as much as it leaves.
-fn leave(setup: &Setup, a_time: f64, of_mesh: &[usize], cases: &[CasePlan], costs: &mut [Cost]) {
-    let mut longest_first = of_mesh.to_vec();
-    longest_first.sort_by(|&a, &b| costs[b].work.total_cmp(&costs[a].work));
-    let mut known = BTreeSet::new();
-    for c in longest_first {
-        let grid = setup.grid(cases[c].steps);
-        known.extend(grid.times().iter().map(|time| time.to_bits()));
-        costs[c].left_bytes = a_time * (known.len() - grid.times().len()) as f64;
-    }
 }
 
 fn case_cost(setup: &Setup, space: &Discretization, truth: &TruthCost, case: &CasePlan) -> Cost {
@@ -133,21 +139,6 @@ fn case_cost(setup: &Setup, space: &Discretization, truth: &TruthCost, case: &Ca
     // Including the factor that serves all grids in time.
     cost.kept_bytes += kept + SPACE * space.pattern.entries() as f64;
     cost
-}
-
-fn reference_cost(
-    setup: &Setup,
-    reference: Reference,
-    kept_steps: u32,
-) -> Result<Cost, SetupError> {
-    let space = setup.space(reference.n)?;
-    let run = march(setup, &space, reference.steps);
-    // u and σ of the levels that cases use.
-    let tensors = tensor_numbers(&space) * space.mesh.cell_count();
-    let kept = f64::from(kept_steps.min(reference.steps)) + 1.0;
-    let levels = 8.0 * kept * (space.dofs() + tensors) as f64;
-    let kept_bytes = levels + SPACE * space.pattern.entries() as f64;
-    Ok(Cost { memory_bytes: PROGRAM + run.memory_bytes + levels, kept_bytes, ..run })
 }
 
 /// One march without its exact solution.

@@ -223,9 +223,14 @@ pub fn lowest_common_multiple(a: u32, b: u32) -> u32 {
 pub(super) fn norms(scene: &Scene, n: Option<u32>) -> Vec<Norm> {
     let listed = scene.sweep.as_ref().and_then(|sweep| sweep.norms.as_ref());
     let by_state = scene.sweep.as_ref().is_some_and(|sweep| sweep.by_state);
+    // Whether a prediction uses mesh n.
+    let serves = |prediction: &Prediction| {
+        let window = prediction.window_n.or(scene.window_n);
+        window.zip(n).is_none_or(|([first, last], n)| (first..=last).contains(&n))
+    };
     let asked = |norm: Norm| {
         listed.is_some_and(|list| list.contains(&norm))
-            || scene.predicts.iter().any(|p| p.norm == norm && serves(scene, p, n))
+            || scene.predicts.iter().any(|p| p.norm == norm && serves(p))
     };
     let body = match &scene.body {
         Body::Contact(body) => body,
@@ -245,10 +250,4 @@ pub(super) fn norms(scene: &Scene, n: Option<u32>) -> Vec<Norm> {
             _ => listed.is_none() || asked(norm),
         })
         .collect()
-}
-
-/// Whether a prediction uses mesh n.
-fn serves(scene: &Scene, prediction: &Prediction, n: Option<u32>) -> bool {
-    let window = prediction.window_n.or(scene.window_n);
-    window.zip(n).is_none_or(|([first, last], n)| (first..=last).contains(&n))
 }

@@ -1,9 +1,9 @@
 //! Provenance of records: program, machine, and scenes with their texts and hashes.
 
-use super::Machine;
 use super::plan::{CasePlan, Overrides, ScenePlan, norms, scene_cases};
+use super::{Machine, SweepError};
 use files::{FileError, if_there, make_directory, read_text, replace_file};
-use judge::record::{CaseRecord, CaseTable, Key, RecordError, Status, read_table};
+use judge::record::{CaseRecord, CaseTable, Key, Status, read_table};
 use scene::{Norm, Scene, SceneError, Source};
 use serde::{Deserialize, Serialize};
 use std::borrow::Cow;
@@ -72,7 +72,14 @@ impl Provenance {
         let name = || plan.scene().name.clone();
         let remark = plan.step_remark().ok().flatten();
         self.step_sizes.extend(remark.map(|remark| (name(), remark.text)));
-        self.cases.extend(off_grid(plan).map(|asked| (name(), asked)));
+        if plan.cases != scene_cases(plan.scene(), &Overrides::default()) {
+            let one = |case: &CasePlan| {
+                let names = || case.norms.iter().map(|norm| norm.name().to_owned()).collect();
+                let usual = case.norms == norms(plan.scene(), case.n);
+                Planned { n: case.n, steps: case.steps, norms: (!usual).then(names) }
+            };
+            self.cases.insert(name(), plan.cases.iter().map(one).collect());
+        }
     }
 
     /// The provenance of a run of `plans`.
@@ -186,18 +193,6 @@ fn model(cpuinfo: &str) -> Option<String> {
 
 // Resuming an interrupted sweep: complete cases are kept, all others run again.
 
-/// Why a directory cannot be resumed.
-#[derive(Debug, thiserror::Error)]
-pub enum ResumeError {
-    #[error(transparent)]
-    Record(#[from] RecordError),
-    #[error(transparent)]
-    Io(#[from] FileError),
-    /// The records belong to something else.
-    #[error("{}: {what}; run without --resume to start anew, or choose another --out", dir.display())]
-    Different { dir: PathBuf, what: String },
-}
-
 /// What is kept of earlier records.
 #[derive(Debug, Default)]
 pub struct Resumed {
@@ -214,12 +209,12 @@ const NAMED: usize = 10;
 ///
 /// # Errors
 /// Records of another version or of another text of a scene, unreadable files.
-pub fn resume(dir: &Path, plans: &[ScenePlan]) -> Result<Resumed, ResumeError> {
+pub fn resume(dir: &Path, plans: &[ScenePlan]) -> Result<Resumed, SweepError> {
     let path = dir.join("cases.csv");
     if !path.exists() {
         return Ok(Resumed::default());
     }
-    let different = |what: String| ResumeError::Different { dir: dir.to_owned(), what };
+    let different = |what: String| SweepError::Different { dir: dir.to_owned(), what };
     let known = Provenance::read(dir)?
         .ok_or_else(|| different("records without provenance.json".into()))?;
     let current = Provenance::new(plans.iter().map(|plan| plan.scene()));
@@ -354,17 +349,6 @@ pub struct Planned {
     /// Names of the norms, unless they are those of the scene.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub norms: Option<Vec<String>>,
-}
-
-/// The cases of a plan; None if they are the scene's default grid.
-pub fn off_grid(plan: &ScenePlan) -> Option<Vec<Planned>> {
-    let own = scene_cases(plan.scene(), &Overrides::default());
-    let one = |case: &CasePlan| {
-        let names = || case.norms.iter().map(|norm| norm.name().to_owned()).collect();
-        let usual = case.norms == norms(plan.scene(), case.n);
-        Planned { n: case.n, steps: case.steps, norms: (!usual).then(names) }
-    };
-    (plan.cases != own).then(|| plan.cases.iter().map(one).collect())
 }
 
 /// The cases of a scene by its provenance: its default grid or those stored.

@@ -3,8 +3,7 @@
 use super::admission::{MemoryLimit, needs};
 use super::plan::{CasePlan, ScenePlan, without_panic};
 use super::{
-    Build, Cost, OutputDirectory, Provenance, ResumeError, Resumed, resume, run_abstract_case,
-    run_contact_case,
+    Build, Cost, OutputDirectory, Provenance, Resumed, resume, run_abstract_case, run_contact_case,
 };
 use fem::norms::ReferenceRun;
 use files::{FileError, ListError, counted, make_directory, remove_if_there, remove_listed};
@@ -13,7 +12,7 @@ use judge::verdict::{failures, restore_reasons};
 use rayon::prelude::*;
 use scene::setup::{MeshData, Setup, Subject, reference_run};
 use std::collections::{BTreeMap, BTreeSet};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, OnceLock, PoisonError};
 
 /// Why a sweep ended without records.
@@ -21,8 +20,9 @@ use std::sync::{Arc, Condvar, Mutex, MutexGuard, OnceLock, PoisonError};
 pub enum SweepError {
     #[error(transparent)]
     Record(#[from] RecordError),
-    #[error(transparent)]
-    Resume(#[from] ResumeError),
+    /// The records of a directory that is resumed belong to something else.
+    #[error("{}: {what}; run without --resume to start anew, or choose another --out", dir.display())]
+    Different { dir: PathBuf, what: String },
     #[error(transparent)]
     Io(#[from] FileError),
     /// Files of an earlier report cannot be removed.
@@ -71,12 +71,8 @@ pub trait Progress: Sync {
 /// Ignores everything.
 impl Progress for () {}
 
-enum Job {
-    /// The reference run of a scene.
-    Reference(usize),
-    /// A case: scene and index.
-    Case(usize, usize),
-}
+/// The reference run of a scene, or a case of it by its index.
+type Job = (usize, Option<usize>);
 
 /// Runs `plans` on `machine`; with `keep`, complete cases in `out` are not run again. Returns all records as they are read
 /// back from `cases.csv`, sorted by scene, n and steps: what is judged is what was written.
@@ -121,14 +117,30 @@ pub fn run_sweep(
         for _ in 0..jobs {
             scope.spawn(|_| {
                 // Cases that cannot be recorded need not be computed.
-                while let Some(start) = schedule.begin(|| sweep.failed() || progress.stopped()) {
-                    start.dropped.into_iter().for_each(|(s, n)| shared[s].let_go(n));
-                    sweep.execute(&work[start.task]);
+                let over = || sweep.kept().failure.is_some() || progress.stopped();
+                while let Some((task, dropped)) = schedule.begin(over) {
+                    dropped.into_iter().for_each(|(s, n)| shared[s].let_go(n));
+                    match work[task] {
+                        (s, None) => {
+                            let what = format!("{} reference", shared[s].plan.scene().name);
+                            progress.started(&what);
+                            // Its failure becomes that of each case.
+                            if let Subject::Contact(setup) = &shared[s].plan.subject {
+                                let _ = shared[s].reference(setup);
+                            }
+                            progress.finished(&what, None);
+                        }
+                        (s, Some(c)) => {
+                            let plan = shared[s].plan;
+                            progress.started(&in_words(plan, &plan.cases[c]));
+                            sweep.finish(plan, &plan.cases[c], shared[s].record(&plan.cases[c]));
+                        }
+                    }
                     let mut done = done.lock().unwrap_or_else(PoisonError::into_inner);
-                    *done += shares[start.task];
+                    *done += shares[task];
                     progress.advanced(*done / all);
                     drop(done);
-                    schedule.end(start.task).into_iter().for_each(|(s, n)| shared[s].let_go(n));
+                    schedule.end(task).into_iter().for_each(|(s, n)| shared[s].let_go(n));
                 }
             });
         }
@@ -173,7 +185,12 @@ impl Sweep<'_> {
     /// The unrecorded cases, with the reference runs that they need. A case that exceeds the memory limit is recorded
     /// as failed.
     fn work(&self, limit: &MemoryLimit) -> (Vec<Job>, Vec<Task>) {
-        let open: Vec<Vec<usize>> = self.shared.iter().map(|shared| self.open(shared)).collect();
+        let recorded: BTreeSet<Key> = self.kept().records.iter().map(CaseRecord::key).collect();
+        let unrecorded = |shared: &Shared<'_>| {
+            let keys = shared.plan.keys().into_iter().enumerate();
+            keys.filter(|(_, key)| !recorded.contains(key)).map(|(c, _)| c).collect()
+        };
+        let open: Vec<Vec<usize>> = self.shared.iter().map(unrecorded).collect();
         let needs: Vec<_> = self
             .shared
             .par_iter()
@@ -201,48 +218,18 @@ impl Sweep<'_> {
             let after = reference.filter(|_| !cases.is_empty()).map(|need| {
                 shares.push(((s, None), need.kept_bytes));
                 let longest = cases.iter().map(|(_, case)| case.work).fold(0.0, f64::max);
-                work.push(Job::Reference(s));
+                work.push((s, None));
                 tasks.push(Task { shares: shares.clone(), ..task(need, need.work + longest) });
                 tasks.len() - 1
             });
             for (c, need) in cases {
                 let of_mesh = plan.cases[c].n.map(|n| ((s, Some(n)), need.kept_bytes));
                 let shares = shares.iter().copied().chain(of_mesh).collect();
-                work.push(Job::Case(s, c));
+                work.push((s, Some(c)));
                 tasks.push(Task { after, shares, ..task(need, need.work) });
             }
         }
         (work, tasks)
-    }
-
-    fn open(&self, shared: &Shared<'_>) -> Vec<usize> {
-        let recorded: BTreeSet<Key> = self.kept().records.iter().map(CaseRecord::key).collect();
-        let keys = shared.plan.keys().into_iter().enumerate();
-        keys.filter(|(_, key)| !recorded.contains(key)).map(|(c, _)| c).collect()
-    }
-
-    fn execute(&self, job: &Job) {
-        match *job {
-            Job::Reference(s) => {
-                let what = format!("{} reference", self.shared[s].plan.scene().name);
-                self.progress.started(&what);
-                // Its failure becomes that of each case.
-                if let Subject::Contact(setup) = &self.shared[s].plan.subject {
-                    let _ = self.shared[s].reference(setup);
-                }
-                self.progress.finished(&what, None);
-            }
-            Job::Case(s, c) => {
-                let shared = &self.shared[s];
-                let case = &shared.plan.cases[c];
-                self.progress.started(&in_words(shared.plan, case));
-                self.finish(shared.plan, case, shared.record(case));
-            }
-        }
-    }
-
-    fn failed(&self) -> bool {
-        self.kept().failure.is_some()
     }
 
     fn kept(&self) -> MutexGuard<'_, Kept> {
@@ -294,11 +281,7 @@ pub(super) struct Task {
 }
 
 /// A task that may begin, and what has to be dropped before.
-#[derive(Debug, PartialEq)]
-pub(super) struct Start {
-    pub(super) task: usize,
-    pub(super) dropped: Vec<Holding>,
-}
+pub(super) type Start = (usize, Vec<Holding>);
 
 pub(super) struct Schedule {
     tasks: Vec<Task>,
@@ -373,7 +356,7 @@ impl Schedule {
             if let Some(at) = at {
                 let task = state.waiting.remove(at);
                 state.running.push(task);
-                return Some(Start { task, dropped });
+                return Some((task, dropped));
             }
             state = self.changed.wait(state).unwrap_or_else(PoisonError::into_inner);
         }
@@ -510,7 +493,7 @@ mod tests {
     }
 
     fn next(schedule: &Schedule) -> Option<usize> {
-        schedule.begin(|| false).map(|start| start.task)
+        schedule.begin(|| false).map(|(task, _)| task)
     }
 
     #[test]
@@ -604,11 +587,11 @@ mod tests {
         assert_eq!(next(&tight), Some(0));
         tight.end(0);
         // The other task on the mesh needs no more than its bytes.
-        assert_eq!(tight.begin(|| false), Some(Start { task: 2, dropped: vec![] }));
+        assert_eq!(tight.begin(|| false), Some((2, vec![])));
         tight.end(2);
         let tight = Schedule::new(apart(), 5.0);
         assert_eq!(next(&tight), Some(0));
         tight.end(0);
-        assert_eq!(tight.begin(|| false), Some(Start { task: 1, dropped: vec![mesh] }));
+        assert_eq!(tight.begin(|| false), Some((1, vec![mesh])));
     }
 }
