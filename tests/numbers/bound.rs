@@ -5,7 +5,7 @@
 //! Data: linear-punch (ℬ(0) = -𝒜/4: factor k/8), memory-minus-identity and -plus-identity (λ = μ_L = 1: factor k/4), punch.
 
 use crate::samples::sample;
-use crate::shipped::{edited, on_mesh, setup, setup_of, text};
+use crate::shipped::{at_level, edited, on_mesh, setup, setup_of, text};
 use crate::wrong::as_level;
 use algebra::linalg::{FactorError, dot, signed_unit};
 use fem::contact::{CaseError, TraceMass, TracePart, trace_constants};
@@ -14,8 +14,8 @@ use nalgebra::DMatrix;
 use scene::setup::{MeshData, Setup, constants, step_bounds};
 use studies::study::StudyError;
 use studies::theory::bound::{
-    BoundStudy, ContractionStudy, Crossing, StepLadder, StepRung, Thresholds, at_level, claims,
-    contraction, finite_factor, study,
+    BoundStudy, ContractionStudy, Crossing, StepLadder, StepRung, Thresholds, claims, contraction,
+    finite_factor, study,
 };
 use vhi::history::TimeGrid;
 use vhi::law::TensorField;

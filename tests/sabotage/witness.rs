@@ -14,7 +14,7 @@ use scene::{Scene, Source};
 use serde_json::Value;
 use studies::solution::FinalState;
 use studies::theory::audit::{AuditConstants, Auditor};
-use studies::theory::bound::{at_level, contraction};
+use studies::theory::bound::contraction;
 use studies::theory::gronwall::{
     ContactInTime, Envelopes, Estimate, InTime, TruthAtLevel, prepare,
 };
@@ -24,7 +24,7 @@ use vhi::history::{Memory, TimeGrid};
 use crate::catalogue::{Defect, through};
 use crate::fixtures;
 use crate::norms::Norms;
-use crate::shipped::{setup, text};
+use crate::shipped::{at_level, setup, text};
 use crate::suite::{data, fresh, other_exact};
 
 /// A sound scene on one mesh.

@@ -6,11 +6,13 @@
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use fem::contact::{CaseError, CaseInfo, Discretization, Model, StepView, march};
+use fem::contact::{CaseError, CaseInfo, Discretization, Evolution, Model, StepView, march};
 use fem::norms::{StepErrors, step_errors};
 use scene::setup::{AbstractSetup, MeshData, Setup, Subject, TruthLoad};
 use scene::{Body, Registry, Scene, Source};
-use vhi::Newton;
+use studies::study::StudyError;
+use studies::theory::bound::run_to;
+use vhi::{Newton, StepState};
 
 /// The path of a shipped scene.
 pub fn path(name: &str) -> PathBuf {
@@ -186,4 +188,18 @@ pub fn midpoints_between_corners(space: &Discretization, u: &[f64]) -> Vec<f64> 
         }
     }
     u
+}
+
+/// Runs to level `number`, leaves it open, and shows it with its solution.
+pub fn at_level<T>(
+    setup: &Setup,
+    data: &MeshData,
+    steps: u32,
+    number: usize,
+    see: impl FnOnce(&mut Evolution<'_>, StepState) -> Result<T, StudyError>,
+) -> Result<T, StudyError> {
+    let (grid, mut load) = (setup.grid(steps), TruthLoad(&*data.truth));
+    let mut level = Evolution::new(&data.space, &setup.model, &grid, &mut load)?;
+    let state = run_to(&mut level, number, |_, _, _| Ok(()))?;
+    see(&mut level, state)
 }

@@ -143,46 +143,56 @@ const NEARLY_ONE: f64 = 0.99;
 const EQUAL: f64 = 1e-9;
 
 impl ContractionStudy {
-    /// The factors of a run, before its level with the largest one is looked at.
-    pub(super) fn of_levels(levels: Vec<FactorAtLevel>) -> Self {
+    /// The factors at every level n ≥ 1 of a run, and starts, thresholds and ladder at the level with the largest one; neither
+    /// thresholds nor rungs where m0 ≤ 0, with the reason. `run` makes it anew from each of two equal loads.
+    ///
+    /// # Errors
+    /// The run's, or a factor that is not found.
+    pub(super) fn new<D, L: FrozenDerivative<Error: Into<StudyError>>, E: Into<StudyError>>(
+        [first, again]: [D; 2],
+        run: impl Fn(D) -> Result<L, E>,
+        bounds: &StepBounds,
+    ) -> Result<Self> {
+        let mut level = run(first).map_err(Into::into)?;
+        let (grid, mut levels): (TimeGrid, Vec<FactorAtLevel>) = (level.grid().clone(), Vec::new());
+        run_to(&mut level, grid.steps(), |level, number, state| {
+            if number == 0 {
+                return Ok(());
+            }
+            let (k, t) = (grid.step(number), grid.time(number));
+            let Contraction { norm, radius, .. } = factors(level, k, &state.u, state)?;
+            let sharpened = bounds.sharpened_factor(k);
+            levels.push(FactorAtLevel { level: number, t, k, norm, radius, sharpened });
+            // Once more with the last slot implicit, which commit records.
+            implicit(level, state, number)
+        })?;
+        drop(level);
         let worse = |best: FactorAtLevel, next: &FactorAtLevel| {
             if next.norm >= best.norm * (1.0 - EQUAL) { *next } else { best }
         };
-        let first = levels.last().copied().unwrap_or_default();
-        let worst = levels.iter().fold(first, worse);
-        Self { worst, levels, ..Self::default() }
-    }
-
-    /// Starts, thresholds and ladder at the open `level` whose solution is `state`; neither thresholds nor rungs where
-    /// m0 ≤ 0, with the reason.
-    ///
-    /// # Errors
-    /// [`StudyError`].
-    pub(super) fn climb<L: FrozenDerivative>(
-        &mut self,
-        level: &mut L,
-        state: StepState,
-        bounds: &StepBounds,
-    ) -> Result<()> {
-        self.starts = random_starts(level, &state, MANY_STARTS);
+        let worst = levels.iter().fold(levels.last().copied().unwrap_or_default(), worse);
+        let mut level = run(again).map_err(Into::into)?;
+        let state = run_to(&mut level, worst.level, |_, _, _| Ok(()))?;
+        let starts = random_starts(&mut level, &state, MANY_STARTS);
+        let mut found = Self { worst, levels, starts, ..Self::default() };
         if bounds.m0.is_nan() || bounds.m0 <= 0.0 {
-            self.not_followed = Some(format!(
+            found.not_followed = Some(format!(
                 "the least m0 = {} is not positive, (2.9) is violated or unknown: no k is known to have one solution, from which a ladder could begin",
                 digits(bounds.m0, 7)
             ));
-            return Ok(());
+            return Ok(found);
         }
         // A geometric ladder from a quarter of (3.4) to beyond all thresholds that are known.
         let known = [bounds.limit(), bounds.sharpened_limit(), bounds.solvable_limit()];
         let largest = known.into_iter().filter(|k| k.is_finite()).fold(0.0, f64::max);
         let (low, high) = (0.25 * bounds.paper_limit(), REACH * largest);
-        let mut ladder = StepLadder::new(level, *bounds, state);
+        let mut ladder = StepLadder::new(&mut level, *bounds, state);
         for i in 0..RUNGS {
             let k = low * (high / low).powf(f64::from(i) / f64::from(RUNGS - 1));
-            self.rungs.push(ladder.rung(k)?);
+            found.rungs.push(ladder.rung(k)?);
         }
-        self.thresholds = ladder.thresholds(&self.rungs)?;
-        Ok(())
+        found.thresholds = ladder.thresholds(&found.rungs)?;
+        Ok(found)
     }
 }
 
@@ -367,35 +377,11 @@ fn factors<L: FrozenDerivative>(
     })
 }
 
-/// The factor at every level n ≥ 1 of a run that has not begun.
-///
-/// # Errors
-/// The run's, or a factor that is not found.
-pub(super) fn all_levels<L: FrozenDerivative<Error: Into<StudyError>>>(
-    level: &mut L,
-    bounds: &StepBounds,
-) -> Result<Vec<FactorAtLevel>> {
-    let grid: TimeGrid = level.grid().clone();
-    let mut found = Vec::new();
-    run_to(level, grid.steps(), |level, number, state| {
-        if number == 0 {
-            return Ok(());
-        }
-        let (k, t) = (grid.step(number), grid.time(number));
-        let Contraction { norm, radius, .. } = factors(level, k, &state.u, state)?;
-        let sharpened = bounds.sharpened_factor(k);
-        found.push(FactorAtLevel { level: number, t, k, norm, radius, sharpened });
-        // Once more with the last slot implicit, which commit records.
-        implicit(level, state, number)
-    })?;
-    Ok(found)
-}
-
 /// Runs to level `last`, which stays open, and returns its solution; `see` gets each level with its number and solution.
 ///
 /// # Errors
 /// The run's.
-pub(super) fn run_to<L: FrozenDerivative<Error: Into<StudyError>>>(
+pub fn run_to<L: FrozenDerivative<Error: Into<StudyError>>>(
     level: &mut L,
     last: usize,
     mut see: impl FnMut(&mut L, usize, &mut StepState) -> Result<()>,

@@ -7,7 +7,7 @@ pub mod sampled;
 
 pub use ladder::{
     Contraction, ContractionStudy, Crossing, FactorAtLevel, Loss, Starts, StepLadder, StepRung,
-    Thresholds, contraction, finite_factor,
+    Thresholds, contraction, finite_factor, run_to,
 };
 pub use sampled::{Constant, Obtained};
 
@@ -21,9 +21,9 @@ use report::{Axis, Chapter, Chart, Findings, Mark, Part, Scale, Series, digits};
 use scene::setup::{AbstractLoad, AbstractSetup, MeshData, Setup, Smallness, Subject, TruthLoad};
 use scene::{Extension, Scene};
 use serde_json::{Value, json};
+use vhi::StepBounds;
 use vhi::finite::FiniteEvolution;
 use vhi::history::TimeRule;
-use vhi::{StepBounds, StepState};
 
 /// Default mesh of the measured factors.
 const MESH: u32 = 16;
@@ -46,7 +46,13 @@ pub fn of_scene(scene: Scene, asked: &Asked) -> Result<Findings> {
         Subject::Contact(setup) => {
             let n = asked.mesh().unwrap_or(MESH);
             scene.check_cells(n)?;
-            study_runs(setup, n, steps).admit(&asked.limit)?;
+            // The factors of the volume's tangent and of the inner product, the vectors of an eigenvalue and a ladder's solutions.
+            let vectors = KRYLOV_VECTORS + ladder::SOLUTIONS;
+            let beside = move |space: &Discretization, _| {
+                8.0 * (2.0 * space.factor_size()[0] + (vectors * space.dofs()) as f64)
+            };
+            let runs = Runs { setup, grid: vec![(n, steps)], beside: Box::new(beside) };
+            runs.admit(&asked.limit)?;
             BoundStudy::new(setup, n, steps)
         }
         // An abstract problem keeps a few numbers per level.
@@ -149,13 +155,12 @@ impl BoundStudy {
         let (model, c) = (&setup.model, &setup.constants);
         has_last_slot(&*model.time_rule)?;
         let limits = c.step_bounds(model.time_rule.as_ref());
-        let (grid, mut load) = (setup.grid(steps), AbstractLoad(setup));
-        let mut level = FiniteEvolution::new(model, &grid, &mut load)?;
-        let levels = ladder::all_levels(&mut level, &limits)?;
-        let mut study = ContractionStudy::of_levels(levels);
-        let mut level = FiniteEvolution::new(model, &grid, &mut load)?;
-        let state = ladder::run_to(&mut level, study.worst.level, |_, _, _| Ok(()))?;
-        study.climb(&mut level, state, &limits)?;
+        let (grid, mut loads) = (&setup.grid(steps), [AbstractLoad(setup), AbstractLoad(setup)]);
+        let study = ContractionStudy::new(
+            loads.each_mut(),
+            |load| FiniteEvolution::new(model, grid, load),
+            &limits,
+        )?;
         let known = if c.m0 > 0.0 { Smallness::Holds } else { Smallness::Fails };
         let (table, m0) = (sampled::table_of_finite(c, model), (known, c.m0));
         Ok(Self::of(&setup.scene, (None, steps), table, Vec::new(), limits, study, m0))
@@ -279,39 +284,10 @@ pub fn claims(bounds: &StepBounds, rungs: &[StepRung], found: &Thresholds) -> Ve
 /// [`StudyError`].
 pub fn study(setup: &Setup, bounds: &StepBounds, n: u32, steps: u32) -> Result<ContractionStudy> {
     let data = MeshData::new(setup, n, None)?;
-    let (grid, mut load) = (setup.grid(steps), TruthLoad(&*data.truth));
-    let mut level = Evolution::new(&data.space, &setup.model, &grid, &mut load)?;
-    let mut study = ContractionStudy::of_levels(ladder::all_levels(&mut level, bounds)?);
-    let worst = study.worst.level;
-    at_level(setup, &data, steps, worst, |level, state| study.climb(level, state, bounds))?;
-    Ok(study)
-}
-
-/// The runs of a study.
-pub fn study_runs(setup: &Setup, n: u32, steps: u32) -> Runs<'_> {
-    // The factors of the volume's tangent and of the inner product, the vectors of an eigenvalue and a ladder's solutions.
-    let vectors = KRYLOV_VECTORS + ladder::SOLUTIONS;
-    let beside = move |space: &Discretization, _| {
-        8.0 * (2.0 * space.factor_size()[0] + (vectors * space.dofs()) as f64)
-    };
-    Runs { setup, grid: vec![(n, steps)], beside: Box::new(beside) }
-}
-
-/// Runs to level `number`, leaves it open, and shows it with its solution.
-///
-/// # Errors
-/// The run's, and those of `see`.
-pub fn at_level<T>(
-    setup: &Setup,
-    data: &MeshData,
-    steps: u32,
-    number: usize,
-    see: impl FnOnce(&mut Evolution<'_>, StepState) -> Result<T>,
-) -> Result<T> {
-    let (grid, mut load) = (setup.grid(steps), TruthLoad(&*data.truth));
-    let mut level = Evolution::new(&data.space, &setup.model, &grid, &mut load)?;
-    let state = ladder::run_to(&mut level, number, |_, _, _| Ok(()))?;
-    see(&mut level, state)
+    let (grid, truth) = (&setup.grid(steps), &*data.truth);
+    let mut loads = [TruthLoad(truth), TruthLoad(truth)];
+    let (space, model) = (&*data.space, &setup.model);
+    ContractionStudy::new(loads.each_mut(), |load| Evolution::new(space, model, grid, load), bounds)
 }
 
 // A step-size study in words, tables and a picture.
