@@ -236,12 +236,22 @@ fn moved(
     let entries = parts(body).map(|(ink, name, _)| (ink, name.to_owned()));
     sketch.legend.splice(0..0, entries);
     let extent = body.domain.size.iter().copied().fold(0.0, f64::max);
-    let values = displaced(scene, body, lines);
+    let t = scene.time.horizon;
+    // Points with their displacement at T; none without an exact solution.
+    let mut values: Vec<Vec<([f64; 3], [f64; 3])>> = Vec::new();
+    if let Data::Exact { u, .. } = &body.data {
+        let program = Program::compile(&scene.formulas, u, t);
+        values.extend(lines.iter().map(|line| {
+            let out = program.bind(line).values_at(t, 0.0);
+            let at = |p: usize| [0, 1, 2].map(|i| out.get(i).map_or(0.0, |component| component[p]));
+            line.iter().enumerate().map(|(p, &x)| (x, at(p))).collect()
+        }));
+    }
     let farthest = largest(values.iter().flatten().flat_map(|(_, u)| u.iter().copied()));
     // None on a side without a gap.
     let along = |surface: &Surface| {
         let gap = body.contact_on(surface.side).and_then(|contact| contact.gap)?;
-        let at = |&x: &[f64; 3]| EvaluationPoint { t: scene.time.horizon, ..x.into() };
+        let at = |&x: &[f64; 3]| EvaluationPoint { t, ..x.into() };
         Some(surface.points.iter().map(|x| scene.formulas.evaluate(gap, &at(x))).collect())
     };
     let gaps: Vec<Option<Vec<f64>>> = surfaces.iter().map(along).collect();
@@ -254,7 +264,10 @@ fn moved(
     if !factor.is_finite() {
         return;
     }
-    let factor = one_digit(factor);
+    // Rounded down to one digit; the quotient avoids 0.30000000000000004.
+    let decade = 10f64.powf(factor.log10().floor());
+    let digit = (factor / decade).floor();
+    let factor = if decade < 1.0 { digit / (1.0 / decade).round() } else { digit * decade };
     let mut draw = |ink: Ink, line: Vec<([f64; 3], [f64; 3])>| {
         let shifted = |(x, u): ([f64; 3], [f64; 3])| flat([0, 1, 2].map(|i| x[i] + factor * u[i]));
         let path: Vec<(f64, f64)> = line.into_iter().map(shifted).collect();
@@ -277,35 +290,8 @@ fn moved(
     }
 }
 
-/// Points with their displacement at T; none without an exact solution.
-fn displaced(
-    scene: &Scene,
-    body: &ContactScene,
-    lines: &[Vec<[f64; 3]>],
-) -> Vec<Vec<([f64; 3], [f64; 3])>> {
-    let Data::Exact { u, .. } = &body.data else { return Vec::new() };
-    let t = scene.time.horizon;
-    let graph = scene.formulas.clone();
-    let program = Program::compile(&graph, u, t);
-    let of_line = |line: &Vec<[f64; 3]>| {
-        let mut out = vec![Vec::new(); u.len()];
-        program.bind(line).evaluate(t, 0.0, &mut out);
-        let at = |p: usize| [0, 1, 2].map(|i| out.get(i).map_or(0.0, |component| component[p]));
-        line.iter().enumerate().map(|(p, &x)| (x, at(p))).collect()
-    };
-    lines.iter().map(of_line).collect()
-}
-
 fn largest(values: impl Iterator<Item = f64>) -> f64 {
     values.map(f64::abs).filter(|size| size.is_finite()).fold(0.0, f64::max)
-}
-
-/// Rounds down to one digit.
-fn one_digit(value: f64) -> f64 {
-    let decade = 10f64.powf(value.log10().floor());
-    let digits = (value / decade).floor();
-    // Avoids 0.30000000000000004.
-    if decade < 1.0 { digits / (1.0 / decade).round() } else { digits * decade }
 }
 
 /// The corners of a plane piece in space, in order.

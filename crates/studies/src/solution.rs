@@ -81,7 +81,12 @@ impl FinalState {
                 yielding_elements += usize::from(view.yields::<S>(space, model, c));
             }
         });
-        let (min_uy, min_uy_vertex) = lowest(space, view);
+        let (mesh, trace, d) = (&space.mesh, &space.trace, space.mesh.dimension);
+        // Of equal values the first vertex in mesh order.
+        let values = space.at_vertices(view.u);
+        let heights = values.iter().skip(1).step_by(d).copied().zip(0u32..);
+        let lower = |best: (f64, u32), next: (f64, u32)| if next.0 < best.0 { next } else { best };
+        let (min_uy, lowest) = heights.fold((f64::INFINITY, 0), lower);
         let mut state = Self {
             element: space.element.name(),
             strain_norm: view.strain_norm,
@@ -89,41 +94,19 @@ impl FinalState {
             elastic_energy,
             yielding_elements,
             min_uy,
-            min_uy_vertex,
-            friction_force: vec![0.0; space.mesh.dimension],
+            min_uy_vertex: mesh.vertex(lowest).to_vec(),
+            friction_force: vec![0.0; d],
             ..Self::default()
         };
-        state.add_trace(space, model, view);
-        state.add_friction(space, view);
-        state
-    }
-
-    /// A vertex that sticks is held at u_τ = 0, to rounding of a frame.
-    fn add_friction(&mut self, space: &Discretization, view: &StepView<'_>) {
-        let points = space.trace.points.iter().zip(view.friction_stresses(space));
-        for (point, s) in points.filter(|(point, _)| point.carries()) {
-            for (s, tangent) in s.iter().zip(point.tangents()) {
-                self.friction_force.iter_mut().zip(tangent).for_each(|(sum, along)| {
-                    *sum += point.weight * s * along;
-                });
-            }
-            let sticks = point.slip(view.u).iter().all(|u| u.abs() <= AT_JUMP);
-            self.stick_vertices += usize::from(sticks);
-            self.slip_vertices += usize::from(!sticks);
-        }
-    }
-
-    fn add_trace(&mut self, space: &Discretization, model: &Model, view: &StepView<'_>) {
-        let d = space.mesh.dimension;
         let (mut length, mut force, mut first, mut second) = (0.0, 0.0, [0.0; 3], 0.0);
-        for (i, point) in space.trace.points.iter().enumerate() {
-            let (normal, x) =
-                (space.trace.normal(i, view.u), space.mesh.point(&[point.vertex], &[1.0]));
-            self.compliance_force += point.weight * view.compliance[i];
-            self.multiplier_force += point.weight * view.multiplier[i];
+        let most =
+            |known: Option<f64>, value: f64| Some(known.unwrap_or(f64::NEG_INFINITY).max(value));
+        for (i, point) in trace.points.iter().enumerate() {
+            let (normal, x) = (trace.normal(i, view.u), mesh.point(&[point.vertex], &[1.0]));
+            state.compliance_force += point.weight * view.compliance[i];
+            state.multiplier_force += point.weight * view.multiplier[i];
             let pressure = view.compliance[i] + view.multiplier[i];
-            let peak = self.peak_pressure.unwrap_or(f64::NEG_INFINITY);
-            self.peak_pressure = Some(peak.max(pressure));
+            state.peak_pressure = most(state.peak_pressure, pressure);
             if pressure > 0.0 {
                 length += point.weight;
                 force += point.weight * pressure;
@@ -131,58 +114,53 @@ impl FinalState {
                 (0..3).for_each(|a| first[a] += point.weight * pressure * x[a]);
             }
             let gap = model.gap(point.side, x, view.t);
-            self.locked_vertices += usize::from(is_locked(normal, gap));
+            state.locked_vertices += usize::from(is_locked(normal, gap));
             if gap.is_finite() {
-                let smallest = self.min_normal_gap.unwrap_or(f64::INFINITY);
-                self.min_normal_gap = Some(smallest.min(gap - normal));
+                let smallest = state.min_normal_gap.unwrap_or(f64::INFINITY);
+                state.min_normal_gap = Some(smallest.min(gap - normal));
             }
-            let largest = self.max_normal_displacement.unwrap_or(f64::NEG_INFINITY);
-            self.max_normal_displacement = Some(largest.max(normal));
-            let row = |value: f64| {
-                let mut row = space.mesh.vertex(point.vertex)[..d].to_vec();
-                row.push(value);
-                row
-            };
-            self.normal_displacement.push(row(normal));
-            self.compliance_pressure.push(row(view.compliance[i]));
+            state.max_normal_displacement = most(state.max_normal_displacement, normal);
+            let row = |value: f64| [mesh.vertex(point.vertex), &[value]].concat();
+            state.normal_displacement.push(row(normal));
+            state.compliance_pressure.push(row(view.compliance[i]));
             if let Some(boundary) = model.boundary_on(point.side).filter(|_| point.carries()) {
                 let r = normal - (boundary.shift)(x);
                 let mut jumps = boundary.potential.jumps().iter();
                 let at_jump = jumps.any(|jump| (r - jump).abs() <= AT_JUMP * jump.abs().max(1.0));
-                self.jump_vertices += usize::from(at_jump);
+                state.jump_vertices += usize::from(at_jump);
             }
         }
-        along_the_side(&mut self.normal_displacement);
-        along_the_side(&mut self.compliance_pressure);
-        self.contact_force = self.compliance_force + self.multiplier_force;
-        let plane = d == 2 && !space.trace.points.is_empty();
-        self.contact_half_width = plane.then_some(0.5 * length);
+        for rows in [&mut state.normal_displacement, &mut state.compliance_pressure] {
+            // By their coordinates.
+            rows.sort_by(|a, b| {
+                let pairs = a.iter().zip(b);
+                pairs.fold(Ordering::Equal, |order, (p, q)| order.then(p.total_cmp(q)))
+            });
+        }
+        state.contact_force = state.compliance_force + state.multiplier_force;
+        let plane = d == 2 && !trace.points.is_empty();
+        state.contact_half_width = plane.then_some(0.5 * length);
         if force > 0.0 {
             let centre: f64 = first.iter().map(|moment: &f64| (moment / force).powi(2)).sum();
-            self.pressure_spread = Some((second / force - centre).max(0.0).sqrt());
+            state.pressure_spread = Some((second / force - centre).max(0.0).sqrt());
         }
+        let points = trace.points.iter().zip(view.friction_stresses(space));
+        for (point, s) in points.filter(|(point, _)| point.carries()) {
+            for (s, tangent) in s.iter().zip(point.tangents()) {
+                let along = state.friction_force.iter_mut().zip(tangent);
+                along.for_each(|(sum, along)| *sum += point.weight * s * along);
+            }
+            // A vertex that sticks is held at u_τ = 0, to rounding of a frame.
+            let sticks = point.slip(view.u).iter().all(|u| u.abs() <= AT_JUMP);
+            state.stick_vertices += usize::from(sticks);
+            state.slip_vertices += usize::from(!sticks);
+        }
+        state
     }
 }
 
 /// Rounding of u_ν - s at a vertex that the solver holds at a jump (a length; displacements of size 1).
 const AT_JUMP: f64 = 1e-14;
-
-/// Sorts rows by their coordinates.
-fn along_the_side(rows: &mut [Vec<f64>]) {
-    rows.sort_by(|a, b| {
-        let pairs = a.iter().zip(b);
-        pairs.fold(Ordering::Equal, |order, (p, q)| order.then(p.total_cmp(q)))
-    });
-}
-
-/// Smallest u_y and its vertex; of equal values the first vertex in mesh order.
-fn lowest(space: &Discretization, view: &StepView<'_>) -> (f64, Vec<f64>) {
-    let (d, values) = (space.mesh.dimension, space.at_vertices(view.u));
-    let heights = values.iter().skip(1).step_by(d).copied().zip(0u32..);
-    let lower = |best: (f64, u32), next: (f64, u32)| if next.0 < best.0 { next } else { best };
-    let best = heights.fold((f64::INFINITY, 0), lower);
-    (best.0, space.mesh.vertex(best.1).to_vec())
-}
 
 // A case as a series of VTU files with a .pvd index, for ParaView.
 

@@ -32,7 +32,9 @@ fn scene_and_document_name_the_exponent_of_the_clamped_block() {
     assert_eq!(rows.len(), 9);
     let side = |word: &str| {
         let all = [WedgeSide::Clamped, WedgeSide::Free, WedgeSide::Sliding];
-        all.into_iter().find(|side| side.name() == word).expect("a condition")
+        all.into_iter()
+            .find(|side| format!("{side:?}").to_lowercase() == word)
+            .expect("a condition")
     };
     for cells in rows {
         let angle = cells[1].parse::<f64>().expect("degrees").to_radians();

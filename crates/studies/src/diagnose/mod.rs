@@ -68,8 +68,17 @@ pub fn diagnose(
     };
     let wrongly: Vec<&Verdict> =
         found.verdicts.iter().filter(|verdict| !verdict.as_expected()).collect();
-    let contradicted: Vec<String> =
-        wrongly.iter().filter_map(|verdict| contradiction(verdict)).collect();
+    // Where the errors are those that the exact solution predicts, and the scene predicts another order of them.
+    let contradiction = |verdict: &&Verdict| {
+        let Verdict { norm, variable, predicted, contradicted_by, .. } = verdict;
+        contradicted_by.map(|order| {
+            format!(
+                "{norm} has the errors of order {order:.2} in {} that the exact solution predicts, and [[predicts]] says {predicted}",
+                variable.name()
+            )
+        })
+    };
+    let contradicted: Vec<String> = wrongly.iter().filter_map(contradiction).collect();
     // Of a scene that is not judged the trials alone say something.
     let always = always || found.verdicts.is_empty();
     if !always && wrongly.is_empty() {
@@ -120,17 +129,6 @@ impl Diagnosis {
         }));
         findings
     }
-}
-
-/// Where the errors are those that the exact solution predicts, and the scene predicts another order of them.
-fn contradiction(verdict: &Verdict) -> Option<String> {
-    let Verdict { norm, variable, predicted, .. } = verdict;
-    verdict.contradicted_by.map(|order| {
-        format!(
-            "{norm} has the errors of order {order:.2} in {} that the exact solution predicts, and [[predicts]] says {predicted}",
-            variable.name()
-        )
-    })
 }
 
 /// Refuses a diagnosis that would take more memory than there may be, `jobs` cases at a time: the cases of the scene,
@@ -262,7 +260,21 @@ fn run((variant, mut outcome): Trial, prepare: &Prepare<'_>) -> Outcome {
         if !outcome.suspects.iter().any(|suspect| suspect.is_term())
             && outcome.decision == Decision::Fail
         {
-            outcome.suspects.retain(|&suspect| suspect != acquitted(setup, cases));
+            // Of elasticity and loads one is not at fault: what solves the equations of its 𝒜 under the loads of the truth has the
+            // right loads; what does not, has them wrong, or does not solve.
+            let solves = |(data, record): &Case<'_>| -> bool {
+                let mut largest = 0.0f64;
+                let marched = setup.scheme.march(setup, data, record.steps, &mut |view| {
+                    let load = data.truth.load(view.t)?;
+                    let residual = kkt_residual(&data.space, &setup.model, view, &load);
+                    largest = larger(largest, residual);
+                    Ok(())
+                });
+                marched.is_ok() && largest <= KKT_ALLOWED
+            };
+            let solved = cases.iter().all(solves);
+            let acquitted = if solved { Suspect::Loads } else { Suspect::Elasticity };
+            outcome.suspects.retain(|&suspect| suspect != acquitted);
         }
         Ok::<_, LoadError>(())
     });
@@ -275,21 +287,6 @@ fn run((variant, mut outcome): Trial, prepare: &Prepare<'_>) -> Outcome {
     outcome
 }
 
-/// Of elasticity and loads the one that is not at fault: what solves the equations of its 𝒜 under
-/// the loads of the truth has the right loads; what does not, has them wrong, or does not solve.
-fn acquitted(setup: &Setup, cases: &[Case<'_>]) -> Suspect {
-    let solves = |(data, record): &Case<'_>| -> bool {
-        let mut largest = 0.0f64;
-        let marched = setup.scheme.march(setup, data, record.steps, &mut |view| {
-            let load = data.truth.load(view.t)?;
-            largest = larger(largest, kkt_residual(&data.space, &setup.model, view, &load));
-            Ok(())
-        });
-        marched.is_ok() && largest <= KKT_ALLOWED
-    };
-    if cases.iter().all(solves) { Suspect::Loads } else { Suspect::Elasticity }
-}
-
 /// The largest error of an exact variant, relative to the solution; without a norm it says nothing.
 fn exactness(setup: &Setup, cases: &[Case<'_>], outcome: &mut Outcome) -> Result<(), LoadError> {
     let mut worst: Option<(f64, &str, String)> = None;
@@ -298,9 +295,18 @@ fn exactness(setup: &Setup, cases: &[Case<'_>], outcome: &mut Outcome) -> Result
             worst = Some((f64::NAN, "", format!("no solution: {reason}")));
             break;
         }
-        let [strain, stress] = sizes(data, setup.grid(record.steps).times())?;
+        // Largest ‖ε(u_n)‖ and ‖σ_n‖ of the truth; the latter measures pressures too.
+        let (mut sizes, d) = ([f64::MIN_POSITIVE; 2], data.space.mesh.dimension);
+        for &t in setup.grid(record.steps).times() {
+            let moments = data.truth.moments(t)?;
+            for (size, field) in sizes.iter_mut().zip([&moments.strain, &moments.stress]) {
+                let tensors = data.space.points().zip(field.at.chunks_exact(d * (d + 1) / 2));
+                let square: f64 = tensors.map(|(at, tensor)| at.weight * dot(tensor, tensor)).sum();
+                *size = size.max(square.sqrt());
+            }
+        }
         for NormError { norm, error, .. } in &record.errors {
-            let size = if norm == judge::record::V_MAX { strain } else { stress };
+            let size = sizes[usize::from(norm != judge::record::V_MAX)];
             let relative = error.unwrap_or(f64::NAN) / size;
             if worst.as_ref().is_none_or(|(most, ..)| relative > *most || relative.is_nan()) {
                 let note = format!("{norm} is {relative:.1e} of the solution");
@@ -316,20 +322,6 @@ fn exactness(setup: &Setup, cases: &[Case<'_>], outcome: &mut Outcome) -> Result
     let holds = outcome.claim.standing() == Standing::Passes;
     outcome.decision = if holds { Decision::Pass } else { Decision::Fail };
     Ok(())
-}
-
-/// Largest ‖ε(u_n)‖ and ‖σ_n‖ of the truth; the latter measures pressures too.
-fn sizes(data: &MeshData, times: &[f64]) -> Result<[f64; 2], LoadError> {
-    let (mut largest, d) = ([f64::MIN_POSITIVE; 2], data.space.mesh.dimension);
-    for &t in times {
-        let moments = data.truth.moments(t)?;
-        for (size, field) in largest.iter_mut().zip([&moments.strain, &moments.stress]) {
-            let tensors = data.space.points().zip(field.at.chunks_exact(d * (d + 1) / 2));
-            let square: f64 = tensors.map(|(at, tensor)| at.weight * dot(tensor, tensor)).sum();
-            *size = size.max(square.sqrt());
-        }
-    }
-    Ok(largest)
 }
 
 // From trials to a culprit: what takes part wherever something fails, and least often where all is well.

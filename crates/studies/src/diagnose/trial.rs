@@ -158,7 +158,28 @@ fn trial(
     variant.violates.retain(|claim| !regular.contains(claim));
     let Scene { body, formulas, .. } = &mut variant;
     if let Body::Contact(body) = body {
-        keep(body, formulas, kept);
+        // No terms but these; u stays what it is.
+        let lacks = |term| !kept.contains(&term);
+        if lacks(Suspect::Memory) {
+            body.material.memory.clear();
+        }
+        if lacks(Suspect::Projection) {
+            body.material.projection = None;
+        }
+        let projection = body.material.projection.as_mut();
+        if let Some(projection) = projection.filter(|_| lacks(Suspect::Accumulation)) {
+            // κ at ζ = 0 for all ζ.
+            let at_start = formulas.evaluate(projection.kappa, &EvaluationPoint::default());
+            (projection.kappa, projection.lipschitz) = (formulas.constant(at_start), 0.0);
+        }
+        for contact in &mut body.contact {
+            contact.law = contact.law.take().filter(|_| !lacks(Suspect::Compliance));
+            contact.gap = contact.gap.filter(|_| !lacks(Suspect::Gap));
+        }
+        if let Data::Exact { multiplier, selection, .. } = &mut body.data {
+            multiplier.retain(|_| !lacks(Suspect::Gap));
+            selection.retain(|_| !lacks(Suspect::Compliance));
+        }
         vary(body, formulas);
     }
     let shared = [
@@ -177,31 +198,6 @@ fn trial(
         ..Outcome::default()
     };
     (variant, outcome)
-}
-
-/// Leaves no terms but `kept`; u stays what it is.
-fn keep(body: &mut ContactScene, graph: &mut Graph, kept: &Terms) {
-    let lacks = |term| !kept.contains(&term);
-    if lacks(Suspect::Memory) {
-        body.material.memory.clear();
-    }
-    if lacks(Suspect::Projection) {
-        body.material.projection = None;
-    }
-    if let (Some(projection), true) = (&mut body.material.projection, lacks(Suspect::Accumulation))
-    {
-        // κ at ζ = 0 for all ζ.
-        let at_start = graph.evaluate(projection.kappa, &EvaluationPoint::default());
-        (projection.kappa, projection.lipschitz) = (graph.constant(at_start), 0.0);
-    }
-    for contact in &mut body.contact {
-        contact.law = contact.law.take().filter(|_| !lacks(Suspect::Compliance));
-        contact.gap = contact.gap.filter(|_| !lacks(Suspect::Gap));
-    }
-    if let Data::Exact { multiplier, selection, .. } = &mut body.data {
-        multiplier.retain(|_| !lacks(Suspect::Gap));
-        selection.retain(|_| !lacks(Suspect::Compliance));
-    }
 }
 
 /// Numbers of steps of an order in k: from the coarsest at which contact events are told apart to one
@@ -223,9 +219,16 @@ pub(super) fn trials_in_time(scene: &Scene) -> Vec<Trial> {
     // The scene's coarsest mesh, or 8 cells per unit length where that divides the sides and is coarser.
     let n = least(0).filter(|&n| n <= 8 || scene.check_cells(8).is_err()).unwrap_or(8);
     let coarsest = [vec![n], vec![least(1).unwrap_or(4).max(4)]];
+    // What Theorem 7 gives of u(t) ∈ V^h, or the order that the scene predicts where it violates a hypothesis of it.
+    let promised = predicted(scene, Direction::K).map(|prediction| prediction.order.min(2.0));
+    let smooth = !scene.violates.contains(&Hypothesis::RegularInTime);
+    // A scene without a prediction that is not smooth in time promises no more than order 1.
+    // Nor does a rule promise more than its own order.
+    let order = promised.unwrap_or(if smooth { 2.0 } else { 1.0 }).min(scene.time.rule.order());
+    let in_k = at_least(Direction::K, order, "Theorem 7, (3.17), u(t) in V^h");
     // A trial with u(t) of the scene, in V^h: exact unless there is a history.
     let of_scene = |name: &str, kept: &Terms| {
-        let order = has_history(kept).then(|| order_in_k(scene));
+        let order = has_history(kept).then(|| in_k.clone());
         let fine = [coarsest[0].clone(), STEPS.to_vec()];
         let grid = if order.is_some() { fine } else { coarsest.clone() };
         trial(scene, name, kept, order, grid, |body, _| in_space(body))
@@ -333,16 +336,6 @@ pub(super) fn trials_in_space(scene: &Scene) -> Vec<Trial> {
 
 fn predicted(scene: &Scene, variable: Direction) -> Option<&Prediction> {
     scene.predicts.iter().find(|prediction| prediction.variable == variable)
-}
-
-/// What Theorem 7 gives of u(t) ∈ V^h, or the order that the scene predicts where it violates a hypothesis of it.
-fn order_in_k(scene: &Scene) -> Prediction {
-    let promised = predicted(scene, Direction::K).map(|prediction| prediction.order.min(2.0));
-    let smooth = !scene.violates.contains(&Hypothesis::RegularInTime);
-    // A scene without a prediction that is not smooth in time promises no more than order 1.
-    // Nor does a rule promise more than its own order.
-    let order = promised.unwrap_or(if smooth { 2.0 } else { 1.0 }).min(scene.time.rule.order());
-    at_least(Direction::K, order, "Theorem 7, (3.17), u(t) in V^h")
 }
 
 /// Share by which the constant of a variant may be off. A variant without its gap or its memory may stand at a kink of its

@@ -54,14 +54,8 @@ pub fn found(ladders: &[Ladder], named: &[String], climbed: &[Vec<Claim>]) -> Fi
         "Ladders: the parameter, and the reason for what is expected.",
         "ladder = name; parameter = parameter; expected because = why",
     );
-    let shows = "every rung of the ladders against its expectation (sweep extremes).";
-    findings.document.figure("extremes", shows, Some(map(ladders, climbed)));
-    findings
-}
-
-/// The map of all rungs: one line a ladder, one cell a rung, shaded by how far the measured number is within what is allowed:
-/// the lightest at six decades or more, the darkest at the bound.
-fn map(ladders: &[Ladder], climbed: &[Vec<Claim>]) -> String {
+    // One line a ladder, one cell a rung, shaded by how far the measured number is within what is allowed: the lightest at six
+    // decades or more, the darkest at the bound.
     let of_ladder = |ladder: &Ladder| -> Vec<Cell> {
         let own = |claims: &&Vec<Claim>| claims[0].statement.source == ladder.name;
         let rungs = climbed.iter().filter(own);
@@ -70,7 +64,7 @@ fn map(ladders: &[Ladder], climbed: &[Vec<Claim>]) -> String {
     let shades = || climbed.iter().map(|claims| shade(claims));
     let wrong = shades().filter(|shade| *shade == Shade::Wrong).count();
     let refused = shades().filter(|shade| *shade == Shade::Outside).count();
-    Map {
+    let map = Map {
         title: format!("{} rungs of {} ladders", climbed.len(), ladders.len()),
         subtitle: format!("{refused} refused as expected, {wrong} not as expected"),
         rows: ladders.iter().map(|ladder| (ladder.name.to_owned(), of_ladder(ladder))).collect(),
@@ -81,8 +75,10 @@ fn map(ladders: &[Ladder], climbed: &[Vec<Claim>]) -> String {
         ],
         heads: Vec::new(),
         notes: Vec::new(),
-    }
-    .svg()
+    };
+    let shows = "every rung of the ladders against its expectation (sweep extremes).";
+    findings.document.figure("extremes", shows, Some(map.svg()));
+    findings
 }
 
 /// Decades over which the shade goes from the darkest to the lightest.

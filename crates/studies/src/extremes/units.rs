@@ -29,21 +29,6 @@ impl Units {
         Self { length, stiffness, time, displacement }
     }
 
-    /// The units by the names that texts of scenes have for them.
-    pub(super) fn named(&self, dimension: i32) -> [(String, f64); 8] {
-        [
-            ("length", self.length),
-            ("stiffness", self.stiffness),
-            ("time", self.time),
-            ("displacement", self.displacement),
-            ("strain", self.strain()),
-            ("stress", self.stress()),
-            ("force", self.body_force()),
-            ("past", self.zeta(dimension)),
-        ]
-        .map(|(name, unit)| (name.to_owned(), unit))
-    }
-
     /// The unit of strains and κ.
     pub(crate) fn strain(&self) -> f64 {
         self.displacement / self.length
@@ -52,11 +37,6 @@ impl Units {
     /// The unit of stresses and pressures.
     pub(crate) fn stress(&self) -> f64 {
         self.stiffness * self.strain()
-    }
-
-    /// Of f0, which is not formed from unit to unit where an intermediate one overflows.
-    pub(crate) fn body_force(&self) -> f64 {
-        self.stress() / self.length
     }
 
     /// Of ζ = ∫‖ε‖: a strain times a length to the power d/2 times a time.
@@ -108,7 +88,18 @@ impl Unitless {
         let Self(name, domain, dimension) = self;
         let with = [("domain", format!("${{{domain}}}")), ("dimension", dimension.to_string())];
         let with: Texts = with.map(|(name, text)| (name.to_owned(), text)).into();
-        let numbers = units.named(dimension).into();
+        let numbers = [
+            ("length", units.length),
+            ("stiffness", units.stiffness),
+            ("time", units.time),
+            ("displacement", units.displacement),
+            ("strain", units.strain()),
+            ("stress", units.stress()),
+            // Of f0, which is not formed from unit to unit where an intermediate one overflows.
+            ("force", units.stress() / units.length),
+            ("past", units.zeta(dimension)),
+        ];
+        let numbers = numbers.map(|(name, unit)| (name.to_owned(), unit)).into();
         Filling { at: "", with: vec![&with], numbers }.filled(&format!("${{{name}}}"))
     }
 }

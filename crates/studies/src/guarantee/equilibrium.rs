@@ -67,7 +67,8 @@ impl Equilibrium {
             Ok(Shape { triangle, constants: Constants::of(&corners) })
         });
         let shapes = shapes.collect::<Result<Vec<Shape>, FactorError>>()?;
-        let pattern = edges.pattern();
+        // Edges of a cell couple.
+        let pattern = BlockPattern::new(&edges.cells, 3, 4, edges.free);
         let mut values = vec![0.0; pattern.entries()];
         let couplings = |Shape { triangle, .. }: &Shape| triangle.to_tractions * triangle.of_edges;
         let couplings: Vec<_> = shapes.iter().map(couplings).collect();
@@ -82,7 +83,13 @@ impl Equilibrium {
                 }
             }
         }
-        let analysis = Analysis::new(&pattern, &nested_dissection(&pattern, &edges.places(), &[]))?;
+        // The middle of each free edge, in as many numbers as it has unknowns.
+        let middle = |ends: &[u32; 2]| {
+            let [x, y, _] = mesh.point(ends, &[0.5, 0.5]);
+            [x, y, 0.0, 0.0]
+        };
+        let places: Vec<f64> = edges.ends[..edges.free].iter().flat_map(middle).collect();
+        let analysis = Analysis::new(&pattern, &nested_dissection(&pattern, &places, &[]))?;
         let mut factor = analysis.factor();
         analysis.factorize(&pattern, &values, &mut factor, &mut analysis.workspace())?;
         let front = Front::default();
@@ -262,20 +269,6 @@ impl Edges {
             }
         }
         unknowns
-    }
-
-    /// Edges of a cell couple.
-    pub(super) fn pattern(&self) -> BlockPattern {
-        BlockPattern::new(&self.cells, 3, 4, self.free)
-    }
-
-    /// The middle of each free edge, in as many numbers as it has unknowns.
-    pub(super) fn places(&self) -> Vec<f64> {
-        let middle = |ends: &[u32; 2]| {
-            let [x, y, _] = self.mesh.point(ends, &[0.5, 0.5]);
-            [x, y, 0.0, 0.0]
-        };
-        self.ends[..self.free].iter().flat_map(middle).collect()
     }
 }
 

@@ -42,7 +42,22 @@ pub fn of_scene(scene: Scene, asked: &Asked) -> Result<Findings> {
     admit_constants(&scene, true, &asked.limit)?;
     let setup = Setup::new(scene)?;
     let (ns, steps) = asked.grid(&setup.scene, FINEST)?;
-    audit_runs(&setup, &ns, &steps, asked.jobs).admit(&asked.limit)?;
+    // `jobs` of a mesh at a time.
+    let grid = ns.iter().flat_map(|&n| steps.iter().map(move |&steps| (n, steps))).collect();
+    let others = steps.len().min(asked.jobs).saturating_sub(1) as f64;
+    // The scene's own, and that of the memory alone.
+    let truths = if setup.model.memory.is_empty() { 1.0 } else { 2.0 };
+    let beside = |space: &Discretization, steps: u32| {
+        // The others march as well, with fewer steps or as many; beside each stands what the rule remembers of u and u^{kh}, and
+        // once what the truths keep: points, and moments of all levels.
+        let run = run_cost(&setup, space, steps);
+        let strains = 3.0 * space.geometry.points() as f64;
+        let moments = 2.0 * strains + 2.0 * space.nodes.cells.len() as f64;
+        others * run.march_bytes
+            + (1.0 + others) * (1.0 + strains / space.dofs() as f64) * run.history_bytes
+            + truths * (run.load_bytes + 8.0 * moments * (f64::from(steps) + 1.0))
+    };
+    Runs { setup: &setup, grid, beside: Box::new(beside) }.admit(&asked.limit)?;
     audit(&setup, &ns, &steps)
 }
 
@@ -510,31 +525,24 @@ pub fn audit_case(
     Ok(Claim::worst(&claims).into_iter().map(|(worst, _)| worst.clone()).collect())
 }
 
-/// The runs of [`audit`], `jobs` of a mesh at a time.
-pub fn audit_runs<'a>(setup: &'a Setup, ns: &[u32], steps: &[u32], jobs: usize) -> Runs<'a> {
-    let grid = ns.iter().flat_map(|&n| steps.iter().map(move |&steps| (n, steps))).collect();
-    let others = steps.len().min(jobs).saturating_sub(1) as f64;
-    // The scene's own, and that of the memory alone.
-    let truths = if setup.model.memory.is_empty() { 1.0 } else { 2.0 };
-    let beside = move |space: &Discretization, steps: u32| {
-        // The others march as well, with fewer steps or as many; beside each stands what the rule remembers of u and u^{kh}, and
-        // once what the truths keep: points, and moments of all levels.
-        let run = run_cost(setup, space, steps);
-        let strains = 3.0 * space.geometry.points() as f64;
-        let moments = 2.0 * strains + 2.0 * space.nodes.cells.len() as f64;
-        others * run.march_bytes
-            + (1.0 + others) * (1.0 + strains / space.dofs() as f64) * run.history_bytes
-            + truths * (run.load_bytes + 8.0 * moments * (f64::from(steps) + 1.0))
-    };
-    Runs { setup, grid, beside: Box::new(beside) }
-}
-
 /// Audits the runs of `setup` on the meshes `ns` with the numbers of steps `steps`, by the boundary rule of the model.
 ///
 /// # Errors
 /// [`StudyError`]: no exact solution, a run without result.
 pub fn audit(setup: &Setup, ns: &[u32], steps: &[u32]) -> Result<Findings> {
-    covered(setup)?;
+    // What the inequalities leave out of account.
+    let scene = &setup.scene;
+    let others = [
+        (Extension::Friction, "its lines are those of the normal law alone"),
+        (Extension::SingularKernel, "its sums are those of kernels with a value at s = t"),
+    ];
+    for (extension, why) in others {
+        scene.without(&[extension], "sweep audit", why)?;
+    }
+    let message =
+        "`sweep audit` knows the sums of the trapezoidal rule alone, which is that of the theorems";
+    let other = scene.time.rule != TimeRule::Trapezoid;
+    scene.refuse_if(other, "time.rule", message, "remove `rule`")?;
     audit_under(setup, &AuditConstants::new(setup)?, ns, steps)
 }
 
@@ -580,19 +588,4 @@ pub fn audit_under(
     findings.document.rows("Constants of the bounds.", &rows, "constant = name; >value = value 7");
     findings.numbers(json!({ "theorem": theorem, "rule": rule, "constants": constants }));
     Ok(findings)
-}
-
-/// What the inequalities leave out of account.
-fn covered(setup: &Setup) -> Result<(), SetupError> {
-    let others = [
-        (Extension::Friction, "its lines are those of the normal law alone"),
-        (Extension::SingularKernel, "its sums are those of kernels with a value at s = t"),
-    ];
-    for (extension, why) in others {
-        setup.scene.without(&[extension], "sweep audit", why)?;
-    }
-    let message =
-        "`sweep audit` knows the sums of the trapezoidal rule alone, which is that of the theorems";
-    let other = setup.scene.time.rule != TimeRule::Trapezoid;
-    Ok(setup.scene.refuse_if(other, "time.rule", message, "remove `rule`")?)
 }

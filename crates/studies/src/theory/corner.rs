@@ -41,7 +41,7 @@ impl Corner {
     /// One line: sides, angle, then each possibility with its exponent.
     pub fn in_words(&self) -> String {
         let one = |wedge: &Wedge| {
-            let [a, b] = wedge.sides.map(WedgeSide::name);
+            let [a, b] = wedge.sides.map(|side| format!("{side:?}").to_lowercase());
             match wedge.exponents().first() {
                 None => format!("{a}/{b}: no singularity below r^1"),
                 Some(s) if s.im == 0.0 => format!("{a}/{b}: r^{:.4}", s.re),
@@ -67,14 +67,6 @@ struct End {
 }
 
 impl End {
-    fn both(side: Side, face: &Face) -> [Self; 2] {
-        let ([x, y, _], edge, tangent) = (face.corner, face.edges[0], face.tangents()[0]);
-        let normal = [face.normal[0], face.normal[1]];
-        let end = |place, along| Self { side, place, along, normal };
-        let [first, last] = [[x, y], [x + edge[0], y + edge[1]]];
-        [end(first, [tangent[0], tangent[1]]), end(last, [-tangent[0], -tangent[1]])]
-    }
-
     /// The angle of the domain between this piece and another that leaves the same point.
     fn angle(&self, other: &Self) -> f64 {
         let dot = |a: [f64; 2], b: [f64; 2]| a[0] * b[0] + a[1] * b[1];
@@ -102,12 +94,15 @@ pub fn corners(body: &ContactScene) -> Vec<Corner> {
     }
     let lame_ratio = lambda / mu;
     let gap = body.has_gap();
-    let faces = |side| domain.faces(side).into_iter().map(move |face| (side, face));
-    let ends: Vec<End> = domain
-        .all_sides()
-        .flat_map(faces)
-        .flat_map(|(side, face)| End::both(side, &face))
-        .collect();
+    let both = |side: Side, face: &Face| {
+        let ([x, y, _], edge, tangent) = (face.corner, face.edges[0], face.tangents()[0]);
+        let normal = [face.normal[0], face.normal[1]];
+        let end = |place, along| End { side, place, along, normal };
+        let last = [x + edge[0], y + edge[1]];
+        [end([x, y], [tangent[0], tangent[1]]), end(last, [-tangent[0], -tangent[1]])]
+    };
+    let of_side = |side| domain.faces(side).into_iter().flat_map(move |face| both(side, &face));
+    let ends: Vec<End> = domain.all_sides().flat_map(of_side).collect();
     let size = domain.size.iter().copied().fold(0.0, f64::max);
     let together =
         |a: &End, b: &End| (a.place[0] - b.place[0]).hypot(a.place[1] - b.place[1]) <= SAME * size;
@@ -148,17 +143,6 @@ pub enum WedgeSide {
     Free,
     /// u_ν given, σ_τ = 0: locked frictionless contact, or a plane of symmetry.
     Sliding,
-}
-
-impl WedgeSide {
-    /// The word in tables.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Clamped => "clamped",
-            Self::Free => "free",
-            Self::Sliding => "sliding",
-        }
-    }
 }
 
 /// A wedge of an isotropic material in plane strain.

@@ -6,7 +6,7 @@
 //! an order that is off by at most 1/2. Efficient: the quotient of bound (estimate) and error does not grow under refinement,
 //! its order in the step is at least 0. That of error over estimate is likewise, so that the estimate does not fall behind.
 
-use crate::guarantee::{BoundedLevel, Guarantee};
+use crate::guarantee::BoundedLevel;
 use crate::study::{Asked, StudyError};
 use crate::trade::SPAN;
 use crate::trade::estimate::{companion_runs, companions, norm_estimate};
@@ -168,9 +168,23 @@ pub fn estimators(
         ("estimate, reliable", "error/estimate does not grow", &inverse),
         ("bound, efficient", "bound/error does not grow", &bounds),
     ] {
-        if !quotients.is_empty() {
-            claims.push(does_not_grow(Statement { source, says }, along, quotients));
+        if quotients.is_empty() {
+            continue;
         }
+        // They do not grow as the step falls.
+        let verdict = Order::of(quotients).exact_solution().predicted(0.0).at_least().judge();
+        let (left, decision, note) = match verdict {
+            Ok(verdict) => {
+                let Interval { lo, hi } = verdict.posterior.interval;
+                let note = format!("in [{lo:.3}, {hi:.3}], {}", verdict.ruling.reason);
+                (verdict.posterior.order, verdict.ruling.decision, note)
+            }
+            Err(error) => (f64::NAN, Decision::Unresolved, format!("no trend: {error}")),
+        };
+        let at = format!("{} runs in {along}", quotients.len());
+        let (statement, place) = (Statement { source, says }, Place { at, ..Place::default() });
+        let relation = Relation::Order(0.0, decision);
+        claims.push(Claim { statement, place, left, relation, accuracy: 0.0, note });
     }
     if claims.is_empty() {
         let why = runs.first().and_then(|run| run.no_estimate.as_deref()).unwrap_or_default();
@@ -209,63 +223,6 @@ impl Run {
     fn place(&self) -> Place {
         Place { n: Some(self.n), steps: Some(self.steps), ..Place::default() }
     }
-
-    /// Adds an estimate, as it is read, and its claim.
-    fn estimated(&mut self, raw: f64, interval: Interval, read: &dyn Fn(f64, f64) -> f64) {
-        let value = read(raw, self.step);
-        let says = "the interval holds the error";
-        self.claims.push(Claim {
-            statement: Statement { source: "estimate, interval", says },
-            place: self.place(),
-            left: self.error,
-            relation: Relation::Within([interval.lo, interval.hi].map(|end| value / raw * end)),
-            accuracy: ROUNDING * self.size,
-            note: String::new(),
-        });
-        (self.estimate, self.estimate_over_error) = (Some(value), Some(value / self.error));
-    }
-
-    /// Adds the bounds of the levels, as they are read, beside which the error in time adds to the error in the energy norm.
-    fn bounded(
-        &mut self,
-        found: &Guarantee,
-        in_time: f64,
-        read: &dyn Fn(&BoundedLevel, f64) -> f64,
-    ) {
-        let read = |level: &BoundedLevel| read(level, self.step);
-        let error = |level: &BoundedLevel| level.error.unwrap_or(f64::NAN);
-        let claim = |level: &BoundedLevel| {
-            let statement =
-                Statement { source: "bound, reliable", says: "error <= bound + error in time" };
-            let place = Place { level: Some(level.n), ..self.place() };
-            let sides = [error(level), read(level) + in_time];
-            Claim::at_most(statement, place, sides, ROUNDING * level.size)
-        };
-        let claims: Vec<Claim> = found.levels.iter().map(claim).collect();
-        let worst = Claim::worst(&claims).first().map(|(worst, _)| (*worst).clone());
-        let most =
-            |of: &dyn Fn(&BoundedLevel) -> f64| found.levels.iter().map(of).fold(0.0, larger);
-        let (bound, error) = (most(&read), most(&error));
-        let of_space = error > IN_SPACE * (in_time + ROUNDING * most(&|level| level.size));
-        self.claims.push(worst.unwrap_or_default());
-        (self.bound, self.energy_error) = (Some(bound), Some(error));
-        self.bound_over_error = of_space.then(|| bound / error);
-    }
-}
-
-/// The claim that quotients do not grow as the step falls.
-fn does_not_grow(statement: Statement, along: &str, quotients: &[(f64, f64)]) -> Claim {
-    let verdict = Order::of(quotients).exact_solution().predicted(0.0).at_least().judge();
-    let (left, decision, note) = match verdict {
-        Ok(verdict) => {
-            let Interval { lo, hi } = verdict.posterior.interval;
-            let note = format!("in [{lo:.3}, {hi:.3}], {}", verdict.ruling.reason);
-            (verdict.posterior.order, verdict.ruling.decision, note)
-        }
-        Err(error) => (f64::NAN, Decision::Unresolved, format!("no trend: {error}")),
-    };
-    let place = Place { at: format!("{} runs in {along}", quotients.len()), ..Place::default() };
-    Claim { statement, place, left, relation: Relation::Order(0.0, decision), accuracy: 0.0, note }
 }
 
 /// Runs a case with its companions, measures its error, and compares it with what the estimators say.
@@ -302,7 +259,20 @@ fn compare(
     let estimate = differences.map(|differences| norm_estimate(setup, &found, differences));
     let estimate = estimate.ok_or_else(|| StudyError::other("no norm"))?;
     match estimate.total() {
-        Some((raw, interval)) => run.estimated(raw, interval, under_test.estimate),
+        Some((raw, interval)) => {
+            let value = (under_test.estimate)(raw, run.step);
+            let ends = [interval.lo, interval.hi].map(|end| value / raw * end);
+            let says = "the interval holds the error";
+            run.claims.push(Claim {
+                statement: Statement { source: "estimate, interval", says },
+                place: run.place(),
+                left: run.error,
+                relation: Relation::Within(ends),
+                accuracy: ROUNDING * run.size,
+                note: String::new(),
+            });
+            (run.estimate, run.estimate_over_error) = (Some(value), Some(value / run.error));
+        }
         None => run.no_estimate = Some(estimate.reasons().join("; ")),
     }
     // Without an estimate in time there is no telling what it adds.
@@ -314,7 +284,28 @@ fn compare(
             let why = "the data depend on the mesh, so the error has no part in h";
             run.no_bound = Some(why.into());
         }
-        Ok(bound) => run.bounded(&bound, largest.sqrt() * in_time, under_test.bound),
+        Ok(found) => {
+            // The error in time adds to the error in the energy norm.
+            let in_time = largest.sqrt() * in_time;
+            let read = |level: &BoundedLevel| (under_test.bound)(level, run.step);
+            let error = |level: &BoundedLevel| level.error.unwrap_or(f64::NAN);
+            let says = "error <= bound + error in time";
+            let claim = |level: &BoundedLevel| {
+                let statement = Statement { source: "bound, reliable", says };
+                let place = Place { level: Some(level.n), ..run.place() };
+                let sides = [error(level), read(level) + in_time];
+                Claim::at_most(statement, place, sides, ROUNDING * level.size)
+            };
+            let claims: Vec<Claim> = found.levels.iter().map(claim).collect();
+            let most =
+                |of: &dyn Fn(&BoundedLevel) -> f64| found.levels.iter().map(of).fold(0.0, larger);
+            let (bound, error) = (most(&read), most(&error));
+            let of_space = error > IN_SPACE * (in_time + ROUNDING * most(&|level| level.size));
+            let worst = Claim::worst(&claims).first().map(|(worst, _)| (*worst).clone());
+            run.claims.push(worst.unwrap_or_default());
+            (run.bound, run.energy_error) = (Some(bound), Some(error));
+            run.bound_over_error = of_space.then(|| bound / error);
+        }
         Err(why) => run.no_bound = Some(why),
     }
     Ok(run)

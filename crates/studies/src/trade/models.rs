@@ -79,7 +79,15 @@ impl ErrorModel {
             }
         };
         let line = |direction: Direction| -> Result<Term, String> {
-            let points = line_of(points, direction);
+            // The runs on the finest k, or on the coarsest h.
+            let (other, level): (fn(&Point) -> f64, f64) = match direction {
+                Direction::Space => {
+                    (|p| p.k, points.iter().map(|p| p.k).fold(f64::INFINITY, f64::min))
+                }
+                Direction::Time => (|p| p.h, points.iter().map(|p| p.h).fold(0.0, f64::max)),
+            };
+            let of_line = points.iter().filter(|p| same_level(other(p), level));
+            let points: Vec<Point> = of_line.copied().collect();
             let samples = samples(&points, direction).map_err(|error| error.to_string())?;
             term(&samples)
         };
@@ -108,15 +116,6 @@ impl ErrorModel {
         found.residual = off.fold(0.0, f64::max);
         found
     }
-}
-
-/// The runs on the finest k, or on the coarsest h.
-fn line_of(points: &[Point], direction: Direction) -> Vec<Point> {
-    let (other, level): (fn(&Point) -> f64, f64) = match direction {
-        Direction::Space => (|p| p.k, points.iter().map(|p| p.k).fold(f64::INFINITY, f64::min)),
-        Direction::Time => (|p| p.h, points.iter().map(|p| p.h).fold(0.0, f64::max)),
-    };
-    points.iter().filter(|p| same_level(other(p), level)).copied().collect()
 }
 
 /// The term by least squares, which predicts steps near those of the runs best; its interval is the range of orders by

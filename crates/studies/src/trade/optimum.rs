@@ -127,7 +127,7 @@ impl Wanted {
             ));
         };
         if !(target.is_finite() && target > 0.0) {
-            return Err(NoAnswer::NotPositive { target });
+            return refused(format!("the target {target} must be positive"));
         }
         let relative = percent.is_some();
         if relative && norm != Norm::VMax {
@@ -156,8 +156,6 @@ pub enum NoAnswer {
     /// Nothing is known of the errors or of the costs, or a mesh cannot be made.
     #[error("{0}")]
     Refused(String),
-    #[error("the target {target} must be positive")]
-    NotPositive { target: f64 },
     #[error(
         "the target {target:.3e} is no less than the solution, {size:.3e}: `5%` is a twentieth of it"
     )]
@@ -293,22 +291,11 @@ impl<'a> Choices<'a> {
         };
         let Choice { n, steps, .. } = choice;
         let refused = |source| NoAnswer::Memory { target, n, steps, source };
-        Ok(Choice { bytes: self.bytes(law.made, choice, limit)?.map_err(refused)?, ..choice })
-    }
-
-    /// The memory of a choice, or that it is too much. A mesh up to `made` is made for that, unless a coarse one shows
-    /// that it does not fit; a finer one may be more than any machine holds. It has the bytes b(m) of the finest that is
-    /// made, with the exponent of n that they have on the way there: b(n) = b(m) (n/m)^e, e = log₂ b(m)/b(m/2), of mesh
-    /// and march; the program itself does not grow.
-    fn bytes(
-        &self,
-        made: u32,
-        Choice { n, steps, .. }: Choice,
-        limit: &MemoryLimit,
-    ) -> Result<Result<f64, TooLarge>, SetupError> {
-        if let Err(source) = admit_run(self.setup, None, (n.min(made), steps), limit) {
-            return Ok(Err(source));
-        }
+        // A mesh up to `made` is made for its memory, unless a coarse one shows that it does not fit; a finer one may be more than
+        // any machine holds. It has the bytes b(m) of the finest that is made, with the exponent of n that they have on the way
+        // there: b(n) = b(m) (n/m)^e, e = log₂ b(m)/b(m/2), of mesh and march; the program itself does not grow.
+        let made = law.made;
+        admit_run(self.setup, None, (n.min(made), steps), limit).map_err(refused)?;
         let cost = |n: u32| self.setup.space(n).map(|space| run_cost(self.setup, &space, steps));
         let whole = cost(n.min(made))?;
         let mut bytes = whole.memory_bytes;
@@ -318,7 +305,8 @@ impl<'a> Choices<'a> {
             let finer = f64::from(n) / f64::from(made);
             bytes += whole * (finer.powf((whole / half).log2()) - 1.0);
         }
-        Ok(limit.admit(bytes, false).map(|()| bytes))
+        limit.admit(bytes, false).map_err(refused)?;
+        Ok(Choice { bytes, ..choice })
     }
 }
 

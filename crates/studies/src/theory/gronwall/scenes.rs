@@ -20,7 +20,7 @@ use fem::contact::{
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
 use run::sweep::lowest_common_multiple;
 use scene::setup::{AbstractSetup, MeshData, Setup, constants};
-use vhi::finite::{self, FiniteError, FiniteLoad, FiniteModel};
+use vhi::finite::{self, FiniteError, FiniteLoad};
 use vhi::history::TimeGrid;
 use vhi::law::{Convolution, TensorField};
 use vhi::{Newton, monotonicity};
@@ -446,24 +446,6 @@ impl<'a> FiniteInTime<'a> {
         let inverse_root = &gram.eigenvectors * scale * gram.eigenvectors.transpose();
         Ok(Self { setup, inverse_root, constants, q_norm, weights })
     }
-
-    /// u_0^k, …, u_N^k of `model`, which a test may have changed, under these loads, and the floor of the run.
-    ///
-    /// # Errors
-    /// The run fails.
-    pub(super) fn run(
-        &self,
-        model: &FiniteModel,
-        grid: &TimeGrid,
-        loads: &[Vec<f64>],
-    ) -> Result<(Levels, f64)> {
-        let (mut found, mut load) = (Vec::new(), GivenLoads(grid, loads));
-        let info = finite::march(model, grid, &mut load, &Newton::default(), &mut |view| {
-            found.push(view.u.as_slice().to_vec());
-        })
-        .map_err(|source| in_steps(grid.steps() as u32, source))?;
-        Ok((found, info.floor))
-    }
 }
 
 impl InTime for FiniteInTime<'_> {
@@ -498,7 +480,13 @@ impl InTime for FiniteInTime<'_> {
     }
 
     fn solutions(&self, grid: &TimeGrid, loads: &[Vec<f64>]) -> Result<(Levels, f64)> {
-        self.run(&self.setup.model, grid, loads)
+        let (mut found, mut load) = (Vec::new(), GivenLoads(grid, loads));
+        let model = &self.setup.model;
+        let info = finite::march(model, grid, &mut load, &Newton::default(), &mut |view| {
+            found.push(view.u.as_slice().to_vec());
+        })
+        .map_err(|source| in_steps(grid.steps() as u32, source))?;
+        Ok((found, info.floor))
     }
 
     fn distance(&self, u: &[f64], v: &[f64]) -> f64 {

@@ -61,13 +61,48 @@ pub fn of_scene(scene: Scene, asked: &Asked) -> Result<Findings> {
     let mut findings = Findings::new(title, Some([&scene.name, &scene.source.hash]), claims);
     let all = grids.iter().chain(&perturbed);
     let keys = "part,steps,k,n,t,error,g_zeta,g_memory,source,weighted,primed,closed,printed,printed_closed";
-    findings.tables.push((".csv", keys, all.flat_map(Bounded::levels).collect()));
+    let levels = |run: &Bounded| -> Vec<Value> {
+        let (e, grid) = (&run.estimate, &run.estimate.grid);
+        let level = |n: usize| {
+            let [g_zeta, g_memory] = e.truncation.each_ref().map(|part| part.get(n));
+            let mut row = json!({
+                "part": run.part, "steps": grid.steps(), "k": grid.largest_step(), "n": n,
+                "t": grid.time(n), "error": e.error[n], "g_zeta": g_zeta, "g_memory": g_memory,
+                "source": e.source[n],
+            });
+            for (name, bound) in run.envelopes.each(|bound| bound[n].into()) {
+                row[name] = bound;
+            }
+            row
+        };
+        (0..=grid.steps()).map(level).collect()
+    };
+    findings.tables.push((".csv", keys, all.flat_map(levels).collect()));
     findings.number("n", n);
     findings.number("truth", in_time.truth());
     let mesh = n.map_or_else(String::new, |n| format!(", n = {n}"));
-    if let Some(run) = grids.last() {
+    // Error and three of its bounds on a logarithmic axis, where the distance of two curves is their ratio.
+    if let Some(Bounded { estimate, envelopes, .. }) = grids.last() {
+        let question = format!(
+            "Error in time and its bounds on [0, T], N = {}{mesh}. From the weighted envelope to the closed form each bound lies above the one before.",
+            estimate.grid.steps()
+        );
+        let times = || estimate.grid.times().iter().copied();
+        let curve = |values: &[f64]| times().zip(values.iter().copied()).skip(1).collect();
+        let line = |name: &str, part| Series::new(name, vec![part]);
+        // The error is above the bounds: where one is attained, both are seen.
+        let series = vec![
+            line("weighted envelope", Part::Line(curve(&envelopes.weighted))),
+            line("primed envelope", Part::Line(curve(&envelopes.primed))),
+            line("its closed form", Part::Line(curve(&envelopes.closed))),
+            Series { grey: true, ..line("measured error", Part::Dashed(curve(&estimate.error))) },
+        ];
+        let x = Axis::new("time t_n", Scale::Linear);
+        let y = Axis::new("norm of the error", Scale::Log);
+        let chart = Chart::new(&format!("{}: Gronwall", scene.name), &question, x, y);
         let shows = "measured error and the envelopes of (3.24) over t (sweep gronwall).";
-        findings.document.figure("gronwall-envelope", shows, over_time(&scene.name, &mesh, run));
+        let drawn = Chart { series, ..chart }.svg();
+        findings.document.figure("gronwall-envelope", shows, drawn);
     }
     findings.document.words(format!("The truth is{mesh}: {}.", in_time.truth()));
     findings.table(
@@ -106,24 +141,6 @@ impl Bounded {
         let steps = Some(self.estimate.grid.steps() as u32);
         let at = if self.part == "time" { String::new() } else { self.part.clone() };
         self.envelopes.claims(&self.estimate, &Place { n, steps, level: None, at })
-    }
-
-    /// Its rows in the table of levels.
-    fn levels(&self) -> Vec<Value> {
-        let (e, grid) = (&self.estimate, &self.estimate.grid);
-        let level = |n: usize| {
-            let [g_zeta, g_memory] = e.truncation.each_ref().map(|part| part.get(n));
-            let mut row = json!({
-                "part": self.part, "steps": grid.steps(), "k": grid.largest_step(), "n": n,
-                "t": grid.time(n), "error": e.error[n], "g_zeta": g_zeta, "g_memory": g_memory,
-                "source": e.source[n],
-            });
-            for (name, bound) in self.envelopes.each(|bound| bound[n].into()) {
-                row[name] = bound;
-            }
-            row
-        };
-        (0..=grid.steps()).map(level).collect()
     }
 }
 
@@ -192,31 +209,6 @@ pub(super) fn stability(run: &Bounded, n: Option<u32>) -> Claim {
     let claim = run.claims(n).swap_remove(0);
     let says = "|u - v| <= weighted envelope of |df|";
     Claim { statement: Statement { source: "stability", says }, ..claim }
-}
-
-/// Error and three of its bounds on a logarithmic axis, where the distance of two curves is their ratio.
-fn over_time(
-    scene: &str,
-    mesh: &str,
-    Bounded { estimate, envelopes, .. }: &Bounded,
-) -> Option<String> {
-    let question = format!(
-        "Error in time and its bounds on [0, T], N = {}{mesh}. From the weighted envelope to the closed form each bound lies above the one before.",
-        estimate.grid.steps()
-    );
-    let times = || estimate.grid.times().iter().copied();
-    let curve = |values: &[f64]| times().zip(values.iter().copied()).skip(1).collect();
-    let line = |name: &str, part| Series::new(name, vec![part]);
-    // The error is above the bounds: where one is attained, both are seen.
-    let series = vec![
-        line("weighted envelope", Part::Line(curve(&envelopes.weighted))),
-        line("primed envelope", Part::Line(curve(&envelopes.primed))),
-        line("its closed form", Part::Line(curve(&envelopes.closed))),
-        Series { grey: true, ..line("measured error", Part::Dashed(curve(&estimate.error))) },
-    ];
-    let (x, y) = (Axis::new("time t_n", Scale::Linear), Axis::new("norm of the error", Scale::Log));
-    let chart = Chart::new(&format!("{scene}: Gronwall"), &question, x, y);
-    Chart { series, ..chart }.svg()
 }
 
 /// Prepares a scene for grids with these numbers of steps. A body needs `n`, cells per unit length; an

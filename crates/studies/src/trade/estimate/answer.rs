@@ -2,9 +2,7 @@
 
 use super::super::optimum::{Choice, Choices, Law, MOST, NoAnswer};
 use super::super::{SPAN, Wanted};
-use super::{
-    Companions, Estimate, NormDifferences, Part, RunTime, Watch, companions, norm_estimate,
-};
+use super::{Companions, NormDifferences, Part, RunTime, Watch, companions, norm_estimate};
 use crate::study::StudyError;
 use judge::fit::Interval;
 use report::{Chapter, StudyDocument};
@@ -33,7 +31,28 @@ pub fn estimate(
     watch: &mut Watch<'_>,
 ) -> Result<Estimated, StudyError> {
     let found = companions(setup, n, steps, watch)?;
-    let of = |of: &NormDifferences| json_of(&found, of.norm, &norm_estimate(setup, &found, of));
+    let part = |part: &Result<Part, String>| match part {
+        Err(reason) => json!({ "reason": reason }),
+        Ok(part) => {
+            let (value, interval) = part.at(1.0).unzip();
+            json!({ "order": part.order, "value": value, "interval": interval })
+        }
+    };
+    let of = |differences: &NormDifferences| {
+        let (norm, estimate) = (differences.norm, norm_estimate(setup, &found, differences));
+        let (value, interval) = estimate.total().unzip();
+        let size = found.state.strain_norm;
+        let relative = value.filter(|_| norm == Norm::VMax && size > 0.0);
+        json!({
+            "norm": norm,
+            "value": value,
+            "interval": interval,
+            "relative": relative.map(|value| value / size),
+            "space": part(&estimate.space),
+            "time": part(&estimate.time),
+            "unknown": estimate.reasons(),
+        })
+    };
     let norms: Vec<Value> = found.norms.iter().map(of).collect();
     let mut json = json!({
         "scene": setup.scene.name,
@@ -111,27 +130,6 @@ pub fn estimate(
     Ok(Estimated { document, json, refused })
 }
 
-fn json_of(found: &Companions, norm: Norm, estimate: &Estimate) -> Value {
-    let part = |part: &Result<Part, String>| match part {
-        Err(reason) => json!({ "reason": reason }),
-        Ok(part) => {
-            let (value, interval) = part.at(1.0).unzip();
-            json!({ "order": part.order, "value": value, "interval": interval })
-        }
-    };
-    let (value, interval) = estimate.total().unzip();
-    let size = found.state.strain_norm;
-    json!({
-        "norm": norm,
-        "value": value,
-        "interval": interval,
-        "relative": value.filter(|_| norm == Norm::VMax && size > 0.0).map(|value| value / size),
-        "space": part(&estimate.space),
-        "time": part(&estimate.time),
-        "unknown": estimate.reasons(),
-    })
-}
-
 fn words(Advised { run, interval, .. }: &Advised) -> String {
     run.words("", &format!(" in [{:.3e}, {:.3e}]", interval.lo, interval.hi))
 }
@@ -196,7 +194,21 @@ pub fn advise(goal: &Goal<'_>, found: &Companions) -> Result<Advice, NoAnswer> {
     let differences = found.norms.iter().find(|of_norm| of_norm.norm == goal.norm);
     let differences = differences.ok_or_else(|| unknown(goal.norm, "the scene has no contact"))?;
     let estimate = norm_estimate(goal.setup, found, differences);
-    asymptotic(goal, differences.floor, &estimate)?;
+    let reasons = estimate.reasons();
+    if !reasons.is_empty() {
+        return Err(unknown(goal.norm, &reasons.join("; ")));
+    }
+    for (step, part) in [("h", &estimate.space), ("k", &estimate.time)] {
+        if let Ok(Part { order: Some(order), most, .. }) = part
+            && *order > most + ABOVE
+        {
+            return Err(NoAnswer::Refused(format!(
+                "pre-asymptotic in {step}: order {order:.2} observed in {}, and no more than {most} is possible; start from a run with a finer {step}",
+                goal.norm.name()
+            )));
+        }
+    }
+    NoAnswer::admit(goal.target, differences.floor)?;
     let RunTime { n, steps, .. } = found.times[0];
     let [h, k] = [choices.h(n), choices.k(steps)];
     // Seconds of all runs, shared out by cells times levels.
@@ -246,23 +258,4 @@ fn unknown(norm: Norm, reasons: &str) -> NoAnswer {
         "the error of this run in {} is unknown: {reasons}; start from a run with other n or N",
         norm.name()
     ))
-}
-
-/// Refuses an unknown error, an order that is too high to be believed, and a target at the floor of the solver.
-fn asymptotic(goal: &Goal<'_>, floor: f64, estimate: &Estimate) -> Result<(), NoAnswer> {
-    let reasons = estimate.reasons();
-    if !reasons.is_empty() {
-        return Err(unknown(goal.norm, &reasons.join("; ")));
-    }
-    for (step, part) in [("h", &estimate.space), ("k", &estimate.time)] {
-        if let Ok(Part { order: Some(order), most, .. }) = part
-            && *order > most + ABOVE
-        {
-            return Err(NoAnswer::Refused(format!(
-                "pre-asymptotic in {step}: order {order:.2} observed in {}, and no more than {most} is possible; start from a run with a finer {step}",
-                goal.norm.name()
-            )));
-        }
-    }
-    NoAnswer::admit(goal.target, floor)
 }

@@ -310,10 +310,9 @@ pub fn companions(
     drop(mesh);
     let no_history = setup.model.memory.is_empty() && setup.kappa.lipschitz == 0.0;
     let free = [setup.body.data.is_interpolated(), no_history];
-    let grids = [[2, 4].map(|part| [n / part, steps]), [2, 4].map(|part| [n, steps / part])];
     let [in_time, in_space] = [1, 0].map(|i| match free[i] {
         true => Ok(Vec::new()),
-        false => nested(setup, [n, steps], i).and_then(|()| coarser(setup, &finest, grids[i])),
+        false => coarser(setup, &finest, i),
     });
     let runs: [Companion; 2] = [in_space, in_time];
     let all = || std::iter::once(&finest).chain(runs.iter().rev().flatten().flatten());
@@ -370,30 +369,29 @@ pub fn companion_runs(setup: &Setup, n: u32, steps: u32) -> Runs<'_> {
 /// The two companions in one step, none where it makes no difference; or why there are none.
 type Companion = Result<Vec<Run>, String>;
 
-/// Whether a fourth of n, or of N, has what companions share with the run.
-fn nested(setup: &Setup, counts: [u32; 2], i: usize) -> Result<(), String> {
-    let (name, count) = (["n", "N"][i], counts[i]);
+/// Coarser runs, each from nothing and compared with the one before: on the same mesh point by point, on another one by
+/// moments.
+fn coarser(setup: &Setup, finest: &Run, i: usize) -> Companion {
+    let RunTime { n, steps, .. } = finest.time;
+    // A fourth of n, or of N, has what companions share with the run.
+    let (name, count) = [("n", n), ("N", steps)][i];
     if !count.is_multiple_of(SPAN) {
         return Err(format!("{name} = {count} is no multiple of {SPAN}"));
     }
     let fourth = count / SPAN;
     if i == 0 {
         let none = |_| format!("the domain has no mesh with n = {fourth}");
-        return setup.scene.check_cells(fourth).map_err(none);
+        setup.scene.check_cells(fourth).map_err(none)?;
+    } else {
+        let (fine, coarse) = (setup.grid(count), setup.grid(fourth));
+        let apart = |j: usize| (fine.time(SPAN as usize * j) - coarse.time(j)).abs();
+        if (0..=coarse.steps()).any(|j| apart(j) > SAME_TIME * fine.time(fine.steps())) {
+            return Err("the grids of N and N/4 steps share no times".into());
+        }
     }
-    let (fine, coarse) = (setup.grid(count), setup.grid(fourth));
-    let apart = |j: usize| (fine.time(SPAN as usize * j) - coarse.time(j)).abs();
-    match (0..=coarse.steps()).any(|j| apart(j) > SAME_TIME * fine.time(fine.steps())) {
-        true => Err("the grids of N and N/4 steps share no times".into()),
-        false => Ok(()),
-    }
-}
-
-/// Coarser runs, each from nothing and compared with the one before: on the same mesh point by point, on another one by
-/// moments.
-fn coarser(setup: &Setup, finest: &Run, grid: [[u32; 2]; 2]) -> Companion {
     let mut found: Vec<Run> = Vec::new();
-    for [n, steps] in grid {
+    for part in [2, 4] {
+        let [n, steps] = if i == 0 { [n / part, steps] } else { [n, steps / part] };
         let finer = found.last().unwrap_or(finest);
         let other = (n != finer.time.n).then_some(&finer.kept);
         let one = || -> Result<Run, SetupError> {
