@@ -63,7 +63,7 @@ impl Malformed {
     }
 }
 
-/// One of each stage of reading; crates/scene/src/tests/malformed.rs has the messages one by one.
+/// One of each stage of reading; crates/scene/tests/scene/malformed.rs has the messages one by one.
 fn malformed() -> Vec<Malformed> {
     let new = Malformed::new;
     let [uniform, slope] =

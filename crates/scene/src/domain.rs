@@ -363,7 +363,7 @@ pub(super) fn shape(reading: &Reading, dimension: usize) -> Result<Parts> {
 const STEEPEST: f64 = 8.0;
 
 /// The kinds of mesh with their keys.
-pub(crate) const MESHES: [(&str, &str); 3] =
+const MESHES: [(&str, &str); 3] =
     [("structured", ""), ("perturbed", "amplitude seed axes"), ("graded", "corner exponent")];
 
 pub(super) fn family(reading: &Reading, domain: &Domain) -> Result<MeshFamily> {

@@ -14,7 +14,7 @@ use super::source::Result;
 use super::time::Time;
 
 /// Kinds of a bound with their keys.
-pub(crate) const BOUNDS: [(&str, &str); 2] = [("slip", "points"), ("coulomb", "coefficient")];
+const BOUNDS: [(&str, &str); 2] = [("slip", "points"), ("coulomb", "coefficient")];
 
 /// Friction on Γ3.
 #[derive(Debug, Clone, PartialEq)]
@@ -174,17 +174,4 @@ fn one_tangent_a_vertex(reading: &Reading, key: &str, domain: &Domain) -> Result
         }
     }
     Ok(())
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn alpha_is_the_steepest_descent_of_the_bound() {
-        let slip = |points: &[[f64; 2]]| Friction { bound: FrictionBound::Slip(points.to_vec()) };
-        assert!((slip(&[[0.0, 0.3], [0.1, 0.28], [0.2, 0.27]]).alpha() - 0.2).abs() < 1e-12);
-        assert_eq!(slip(&[[0.0, 0.1], [0.1, 0.2]]).alpha(), 0.0);
-        assert_eq!(slip(&[[0.0, 0.1]]).alpha(), 0.0);
-    }
 }

@@ -9,7 +9,7 @@ use formula::Node;
 use vhi::law::Curve;
 
 /// The kinds of law with their keys; docs/CONTACT-LAWS.md explains them.
-pub(crate) const LAWS: [(&str, &str); 6] = [
+const LAWS: [(&str, &str); 6] = [
     ("none", ""),
     ("linear", "stiffness scale"),
     ("piecewise-linear", "points slope_before slope_after scale"),
@@ -246,31 +246,5 @@ impl Scale {
             }
         }
         Ok(Self { formula, largest })
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::Law;
-
-    fn law(points: &[[f64; 2]], slope_before: f64, slope_after: f64) -> Law {
-        Law::graph(points.to_vec(), slope_before, slope_after)
-    }
-
-    #[test]
-    fn alpha_is_the_steepest_descent() {
-        let punch = law(&[[0.0, 0.0], [0.04, 0.08], [0.10, 0.05]], 0.0, 0.0);
-        assert!((punch.alpha() - 0.5).abs() < 1e-12);
-        assert_eq!(law(&[[0.0, 0.0]], 2.0, 2.0).alpha(), 0.0);
-        assert_eq!(law(&[[0.0, 0.0]], 1.0, -3.0).alpha(), 3.0);
-        assert!((punch.steepest_rise() - 2.0).abs() < 1e-12);
-        assert_eq!(law(&[[0.0, 0.0]], 1.0, -3.0).steepest_rise(), 1.0);
-    }
-
-    #[test]
-    fn a_jump_upward_costs_nothing() {
-        let jump = law(&[[0.0, 0.0], [0.0, 1.0], [2.0, 0.0]], 0.0, 0.0);
-        assert!(jump.is_set_valued());
-        assert!((jump.alpha() - 0.5).abs() < 1e-15);
     }
 }

@@ -41,6 +41,3 @@ pub use sweep::{Direction, Norm, Prediction, Reference, Sweep};
 pub use time::{Time, TimeGrid, TimeRule};
 pub use validated::{Body, Change, ContactScene, Expectation, Extension, Hypothesis, Scene};
 pub use vhi::law::Curve;
-
-#[cfg(test)]
-mod tests;

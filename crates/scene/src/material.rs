@@ -101,8 +101,7 @@ impl Region {
 // The elasticity tensor 𝒜 of a body or region: by two numbers, by moduli along the axes, or in full.
 
 /// Kinds of the table `elasticity` with their keys.
-pub(crate) const TENSORS: [(&str, &str); 2] =
-    [("full", "mandel"), ("orthotropic", "normal coupling shear")];
+const TENSORS: [(&str, &str); 2] = [("full", "mandel"), ("orthotropic", "normal coupling shear")];
 
 /// Exactly one of the pairs (lambda, mu_L) and (E, nu), or the table `elasticity`, in `[material]` or a region.
 pub(super) fn elastic(reading: &Reading, key: &str, dimension: usize) -> Result<FourthOrder> {

@@ -190,7 +190,7 @@ pub(super) fn terms(
 /// `{ kind = "exponential", amplitude = a, time = τ }`: a exp(-t/τ); `{ kind = "prony", terms = [[a_1, τ_1], …] }`: Σ
 /// a_i exp(-t/τ_i); `{ kind = "power", amplitude = a, time = τ, exponent = p }`: a (1 + t/τ)^{-p}, which is smooth on
 /// [0, T].
-pub(crate) const KERNELS: [(&str, &str); 3] =
+const KERNELS: [(&str, &str); 3] =
     [("exponential", "amplitude time"), ("prony", "terms"), ("power", "amplitude time exponent")];
 
 /// The formula of a kernel, given directly or by a table.

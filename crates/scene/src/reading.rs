@@ -646,15 +646,3 @@ fn closeness(name: &str, candidate: &str) -> Option<usize> {
     let longer = name.chars().count().max(candidate.chars().count());
     (edits <= longer.div_ceil(3)).then_some(edits).filter(|&edits| edits < longer)
 }
-
-#[cfg(test)]
-mod tests {
-    use super::nearest;
-
-    #[test]
-    fn only_what_may_be_meant_is_offered() {
-        assert_eq!(nearest("quadrture", ["gap", "quadrature"]), Some("quadrature"));
-        assert_eq!(nearest("colour", ["gap", "law"]), None);
-        assert_eq!(nearest("a", ["b"]), None);
-    }
-}

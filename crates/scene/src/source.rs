@@ -315,16 +315,3 @@ impl Registry {
 fn stem(path: &Path) -> String {
     path.file_stem().map(|stem| stem.to_string_lossy().into_owned()).unwrap_or_default()
 }
-
-#[cfg(test)]
-mod tests {
-    use super::Source;
-
-    /// Records of different meshes must differ.
-    #[test]
-    fn the_mesh_is_part_of_the_hash() {
-        let of = |mesh: &str| Source::from_text("a.toml", "text").with_mesh(mesh.into()).hash;
-        let plain = Source::from_text("a.toml", "text").hash;
-        assert!(of("one") == of("one") && of("one") != of("two") && of("one") != plain);
-    }
-}

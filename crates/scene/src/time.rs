@@ -124,7 +124,7 @@ impl TimeRule {
     }
 
     /// The kinds of rule with their keys.
-    pub(crate) fn kinds() -> Vec<(&'static str, &'static str)> {
+    fn kinds() -> Vec<(&'static str, &'static str)> {
         let mut kinds = Self::EVERY.map(Self::kind).to_vec();
         kinds.dedup();
         kinds
@@ -204,8 +204,7 @@ impl Time {
 pub(super) const SMALLER_EXPONENT: &str = "choose fewer steps or a smaller exponent";
 
 /// The kinds of grid with their keys.
-pub(crate) const GRIDS: [(&str, &str); 3] =
-    [("uniform", ""), ("graded", "exponent"), ("random", "seed")];
+const GRIDS: [(&str, &str); 3] = [("uniform", ""), ("graded", "exponent"), ("random", "seed")];
 
 fn grid(reading: &Reading) -> Result<TimeGrid> {
     match reading.kind("time.grid", &GRIDS)? {

@@ -204,35 +204,3 @@ pub(super) fn depth_under(
     }
     Some(deepest)
 }
-
-#[cfg(test)]
-mod tests {
-    use super::depth_under as under;
-    use fem::mesh::{CoarseMesh, triangulate};
-
-    fn polygon(vertices: &[[f64; 2]]) -> CoarseMesh {
-        let sides: Vec<u32> = (0..vertices.len() as u32).collect();
-        let names = sides.iter().map(u32::to_string).collect();
-        CoarseMesh::polygon(vertices, &triangulate(vertices).unwrap(), &sides, names).unwrap()
-    }
-
-    #[test]
-    fn depths_of_known_shapes() {
-        let turn = |[x, y]: [f64; 2]| [0.6 * x - 0.8 * y + 2.0, 0.8 * x + 0.6 * y];
-        let trapezium = [[0.0, 0.0], [2.0, 0.0], [1.5, 1.0], [0.5, 0.8]].map(turn);
-        // The lines from the bottom end on the right, top and left edges: the deepest at (1.5, 1).
-        let depth = under(&polygon(&trapezium), 0, |_| true).unwrap();
-        assert!((depth - 1.0).abs() < 1e-12, "{depth}");
-        assert_eq!(under(&polygon(&trapezium), 0, |side| side == 2), None);
-        // From the top down all lines end on the bottom.
-        assert!(under(&polygon(&trapezium), 2, |side| side == 0).is_some());
-        let notch = [[0.0, 0.0], [3.0, 0.0], [3.0, 2.0], [2.0, 2.0], [2.0, 0.5], [1.0, 0.5]];
-        let notch: Vec<[f64; 2]> =
-            notch.into_iter().chain([[1.0, 2.0], [0.0, 2.0]]).map(turn).collect();
-        let depth = under(&polygon(&notch), 0, |_| true).unwrap();
-        assert!((depth - 2.0).abs() < 1e-12, "{depth}");
-        // From the left wall of the notch, lines run to the left side.
-        let depth = under(&polygon(&notch), 5, |side| side == 7).unwrap();
-        assert!((depth - 1.0).abs() < 1e-12, "{depth}");
-    }
-}

@@ -51,7 +51,7 @@ impl TraceConstant {
     }
 
     /// The limit of values on nested spaces, below the bound.
-    fn new(values: Vec<(usize, f64)>, bound: Option<f64>) -> Self {
+    pub fn new(values: Vec<(usize, f64)>, bound: Option<f64>) -> Self {
         let (value, uncertainty) = match values[..] {
             [.., (_, value)] if bound.is_some_and(|bound| attains(value, bound)) => {
                 (value, ROUNDING * value)
@@ -366,40 +366,4 @@ pub fn trace_cells(domain: &Domain) -> f64 {
         domain.cells(halvings)
     };
     spaces(coarse.count(), coarse.dimension).into_iter().map(cells).fold(0.0, f64::max)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn of(error: impl Fn(i32) -> f64) -> TraceConstant {
-        TraceConstant::new((0..3).map(|i| (1 << i, 2.0 - error(i))).collect(), None)
-    }
-
-    /// Of 2 with errors of all kinds: smooth, of a corner, of the worst corner, of both, and of one that hides at first.
-    #[test]
-    fn the_limit_lies_within_the_uncertainty() {
-        let pow = |base: f64| move |i: i32| 0.1 * base.powi(-i);
-        let found = [pow(16.0), pow(2.0), pow(SQRT_2)].map(of);
-        let found = found.into_iter().chain([
-            of(|i| pow(16.0)(i) + 0.01 * pow(SQRT_2)(i)),
-            of(|i| pow(4.0)(i) + 0.05 * pow(2.0)(i)),
-        ]);
-        for found in found {
-            let [low, high] = found.range();
-            assert!(low < 2.0 + 1e-12 && high > 2.0 - 1e-12, "{found:?}");
-            assert!((found.value - 2.0).abs() <= found.uncertainty + 1e-12, "{found:?}");
-            assert!(found.uncertainty >= ROUNDING * 2.0 && found.uncertainty < 0.2, "{found:?}");
-        }
-    }
-
-    /// Growth that does not become less shows no limit, nor does a single mesh; a proved bound that is attained does.
-    #[test]
-    fn what_does_not_settle_is_not_known() {
-        assert_eq!(of(|i| 1.0 - 0.1 * f64::from(i)).uncertainty, f64::INFINITY);
-        let one = |bound| TraceConstant::new(vec![(8, 2.0)], bound);
-        assert_eq!(one(None).range()[1], f64::INFINITY);
-        assert_eq!(one(Some(2.5)).range()[1], 2.5);
-        assert!((one(Some(2.0)).range()[0] - 2.0).abs() < 1e-8);
-    }
 }

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use super::good::{EXACT, LOADED, refused};
-use crate::{Scene, Source};
+use scene::{Scene, Source};
 
 #[test]
 fn formulas_are_pointed_into() {

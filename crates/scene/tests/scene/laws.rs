@@ -1,7 +1,7 @@
 //! The kinds of law: their keys, and the messages for wrong ones.
 
 use super::good::{LOADED, refused};
-use crate::{Curve, Law, Scene, Source};
+use scene::{Curve, Law, Scene, Source};
 
 /// The valid text with another law, on line 28.
 fn with_law(law: &str) -> String {

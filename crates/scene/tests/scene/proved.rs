@@ -2,10 +2,10 @@
 //! region, and what the memory of an abstract problem can take from a step.
 
 use super::good::LOADED;
-use crate::setup::{AbstractSetup, MeshData, Setup, StepRemark, Subject, ZetaFrom};
-use crate::setup::{check_step_sizes, step_bounds};
-use crate::{Scene, Source};
 use fem::contact::CaseError;
+use scene::setup::{AbstractSetup, MeshData, Setup, StepRemark, Subject, ZetaFrom};
+use scene::setup::{check_step_sizes, step_bounds};
+use scene::{Scene, Source};
 
 fn scene(text: &str) -> Scene {
     match Scene::from_source(Source::from_text("block.toml", text.to_string())) {

@@ -1,7 +1,7 @@
 //! Polygons, mesh files and graded meshes: valid ones, and messages for others.
 
 use super::good::{EXACT, LOADED, refused};
-use crate::{MeshFamily, Place, Scene, Shape, Side, Source};
+use scene::{MeshFamily, Place, Scene, Shape, Side, Source};
 
 const RECTANGLE: &str = "shape = \"rectangle\"\nsize = [1.0, 0.5]";
 const CORNERS: &str = "vertices = [[0, 0], [2, 0], [2, 1], [0, 1]]";

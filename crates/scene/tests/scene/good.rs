@@ -1,6 +1,6 @@
 //! Valid texts, from which the malformed ones are made.
 
-use crate::{Scene, SceneError, Source, TextFault};
+use scene::{Scene, SceneError, Source, TextFault};
 
 /// A valid scene with loads; tests count its lines.
 pub(super) const LOADED: &str = r#"[scene]

@@ -1,7 +1,7 @@
 //! Valid scenes: numbers as formulas, violations on purpose. What each key means: tests/numbers/keys.
 
 use super::good::LOADED;
-use crate::{Expectation, Hypothesis, Scene, Source};
+use scene::{Expectation, Hypothesis, Scene, Source};
 
 fn accepted(good: &str, from: &str, to: &str) -> Scene {
     assert_eq!(good.matches(from).count(), 1, "`{from}` is not unique");

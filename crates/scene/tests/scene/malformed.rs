@@ -3,7 +3,7 @@
 //! Each case edits one place of a valid text and names the line and column (from 1) and a phrase.
 
 use super::good::{BOX, EXACT, LOADED, refused};
-use crate::{Scene, Source};
+use scene::{Scene, Source};
 
 /// One edit of a valid text, and its message.
 struct Case<'a> {

@@ -3,7 +3,7 @@
 
 use std::fmt::Write;
 
-use crate::{Scene, SceneError, Source};
+use scene::{Scene, SceneError, Source};
 
 /// A square of four triangles around its middle, on sides `bottom`, `right`, `top` and `left`, and what is odd about it.
 #[derive(Clone)]

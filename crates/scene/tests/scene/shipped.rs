@@ -2,8 +2,8 @@
 
 use std::path::{Path, PathBuf};
 
-use crate::{Registry, Scene, SceneError, Source};
 use fem::space::Element;
+use scene::{Registry, Scene, SceneError, Source};
 
 fn folder() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../../manufactured")
