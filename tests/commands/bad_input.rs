@@ -335,7 +335,7 @@ fn worst() -> Vec<Malformed> {
         ("n-huge", "n", "[99999999]", &["n = 99999999 makes 2.0e16 cells"]),
         ("n-beyond", "n", "[99999999999]", &["not a whole number from 1 to"]),
         ("n-text", "n", "[\"8\"]", &["expected a whole number"]),
-        ("steps-huge", "steps", "[2000000000]", &["2000000000 time steps"]),
+        ("steps-huge", "steps", "[2000000000]", &["2000000000 is not", "the most time steps"]),
         ("steps-beyond", "steps", "[4294967296]", &["not a whole number from 1 to"]),
         ("steps-part", "steps", "[1.5]", &["expected a whole number"]),
     ];
@@ -353,7 +353,7 @@ fn worst() -> Vec<Malformed> {
         ("name-path", "../../etc/passwd", &["cannot name a scene"][..]),
         ("name-empty", "", &["cannot name a scene"]),
         ("name-line", "a\\nb", &["cannot name a scene"]),
-        ("name-long", &*long, &["a name of 250 characters", "use at most 200"]),
+        ("name-long", &*long, &["250 characters, cannot name a scene", "at most 200"]),
     ] {
         let named = format!("name = \"{to}\"");
         all.push(new(name, "affine", ["name = \"affine\"", &named], phrases));

@@ -109,7 +109,7 @@ fn broken_hypotheses_and_odd_histories_are_refused() {
         (
             "rule",
             edited(&nested, "rule = \"left\"", "rule = \"gregory\""),
-            "no bounds are known of a history of a history by this rule: Gregory's rule of order 3",
+            "no bounds are known of a history of a history by this rule: Gregory of order 3",
         ),
         (
             "start",

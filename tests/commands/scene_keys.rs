@@ -8,7 +8,6 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
 use rayon::prelude::*;
-use scene::keys::Part;
 use scene::{Scene, Source};
 
 use crate::shipped::text;
@@ -42,11 +41,47 @@ fn page() -> String {
     repository("docs/SCENE-FILES.md")
 }
 
+/// What the parser takes its keys from: by heading, `[time.grid]` or `[[predicts]]`, the rows key, type, default, meaning,
+/// example of a Markdown table.
+fn of_the_parser() -> BTreeMap<String, Vec<String>> {
+    let file: toml::Table = repository("crates/scene/src/keys.toml").parse().expect("TOML");
+    let texts = |list: &toml::Value| -> Vec<String> {
+        list.as_array()
+            .expect("a list")
+            .iter()
+            .map(|v| v.as_str().expect("a text").into())
+            .collect()
+    };
+    let quoted = |words: &mut dyn Iterator<Item = &str>, between: &str| {
+        words.map(|word| format!("`{word}`")).collect::<Vec<_>>().join(between)
+    };
+    let row = |row: &toml::Value| {
+        let row = texts(row);
+        let example = match &row[4..] {
+            [above] if above == "↑" => above.clone(),
+            lines => quoted(&mut lines.iter().map(String::as_str), " "),
+        };
+        let cells = [&[quoted(&mut row[0].split(' '), ", ")], &row[1..4], &[example]].concat();
+        let cells = cells.iter().map(|cell| match cell.is_empty() {
+            true => " |".to_owned(),
+            false => format!(" {cell} |"),
+        });
+        format!("|{}", cells.collect::<String>())
+    };
+    let part = |part: &toml::Value| {
+        let heading = match &texts(&part["tables"])[0] {
+            list if list.ends_with(".*") => format!("[[{}]]", list.trim_end_matches(".*")),
+            table => format!("[{table}]"),
+        };
+        (heading, part["rows"].as_array().expect("rows").iter().map(row).collect())
+    };
+    file["part"].as_array().expect("parts").iter().map(part).collect()
+}
+
 /// The page with the rows that each part has; headings that no part has, and parts without a heading.
 fn rewritten(page: &str) -> (String, BTreeSet<String>) {
     let part_of = |line: &str| line.strip_prefix("### `")?.strip_suffix('`').map(str::to_owned);
-    let mut rows: BTreeMap<String, Vec<String>> =
-        Part::every().iter().map(|part| (part.heading(), part.markdown())).collect();
+    let mut rows = of_the_parser();
     let (mut lines, mut strange) = (Vec::new(), BTreeSet::new());
     let (mut inside, mut next) = (false, Vec::new());
     for line in page.lines() {

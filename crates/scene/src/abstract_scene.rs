@@ -66,13 +66,8 @@ pub struct AbstractScene {
 pub(super) const MOST: i64 = 256;
 
 /// Parts with the key that each needs if it is there.
-const NEEDED: [(&str, &str); 5] = [
-    ("space", "inner_product"),
-    ("operator", "matrix"),
-    ("phi", "force"),
-    ("history", "kernels"),
-    ("exact", "u"),
-];
+const NEEDED: [(&str, &str); 3] =
+    [("space", "inner_product"), ("phi", "force"), ("history", "kernels")];
 
 impl AbstractScene {
     pub(super) fn validate(reading: &mut Reading, horizon: f64, m: usize) -> Result<Self> {
@@ -81,7 +76,7 @@ impl AbstractScene {
         }
         let inner_product = square_or_identity(reading, "space.inner_product", m)?;
         reading.symmetric("space.inner_product", &inner_product)?;
-        let matrix = square(reading, "operator.matrix", m)?;
+        let matrix = reading.matrix("operator.matrix", m)?;
         let in_r = |reading: &mut Reading, key: &str, variables: &[Variable]| {
             let mut scope = reading.scope(variables);
             scope.define("r", reading.formulas.variable(Variable::X));
@@ -91,9 +86,13 @@ impl AbstractScene {
         let force = in_r(reading, "phi.force", &[Variable::Y])?;
         let kernels = kernels(reading, horizon, m)?;
         let r = square_or_identity(reading, "history.R", m)?;
-        let a_s = reading.if_given("history.a_S", |reading, key| vector(reading, key, m))?;
-        let start = reading.if_given("history.start", |reading, key| vector(reading, key, m))?;
-        let idle = start.is_some() && kernels.iter().all(|kernel| kernel.inner.is_none());
+        let mut or_zero = |key| {
+            let given = reading.if_given(key, |reading, key| reading.numbers(key, m))?;
+            Ok(given.unwrap_or_else(|| vec![0.0; m]))
+        };
+        let (a_s, start) = (or_zero("history.a_S")?, or_zero("history.start")?);
+        let idle =
+            reading.has("history.start") && kernels.iter().all(|kernel| kernel.inner.is_none());
         let message = "`start` is where inner histories begin, and no kernel has one";
         let hint = "add inner to a kernel, or write a constant of S into a_S";
         reading.refuse_if(idle, "history.start", message, hint)?;
@@ -110,8 +109,8 @@ impl AbstractScene {
             nonlinear,
             kernels,
             r,
-            a_s: a_s.unwrap_or_else(|| vec![0.0; m]),
-            start: start.unwrap_or_else(|| vec![0.0; m]),
+            a_s,
+            start,
             force,
             u,
             multiplier: of_traces("exact.multiplier")?,
@@ -135,7 +134,7 @@ impl AbstractScene {
 
 fn square_or_identity(reading: &Reading, key: &str, m: usize) -> Result<Rows> {
     let row = |i| (0..m).map(|j| f64::from(u8::from(i == j))).collect();
-    if reading.has(key) { square(reading, key, m) } else { Ok((0..m).map(row).collect()) }
+    if reading.has(key) { reading.matrix(key, m) } else { Ok((0..m).map(row).collect()) }
 }
 
 fn kernels(reading: &mut Reading, horizon: f64, m: usize) -> Result<Vec<AbstractKernel>> {
@@ -180,7 +179,7 @@ impl AbstractTrace {
     fn validate(reading: &mut Reading, index: usize, m: usize) -> Result<Self> {
         let table = format!("trace.{index}");
         let key = |name: &str| join(&table, name);
-        let functional = vector(reading, &key("functional"), m)?;
+        let functional = reading.numbers(&key("functional"), m)?;
         let zero = functional.iter().all(|a| *a == 0.0);
         let message = "the functional is zero: it says nothing of u";
         reading.refuse_if(zero, &key("functional"), message, "give one nonzero number")?;
@@ -189,7 +188,7 @@ impl AbstractTrace {
             let hint = "remove `scale` and write the factor into the numbers of the law";
             return Err(reading.key_error(&key("law.scale"), message, hint));
         }
-        let law = reading.if_given(&key("law"), |reading, key| Law::validate(reading, key))?;
+        let law = Law::validate(reading, &key("law"))?;
         let bound = |name: &str| reading.optional::<f64>(&key(name));
         let lower = bound("lower")?.unwrap_or(f64::NEG_INFINITY);
         let upper = bound("upper")?.unwrap_or(f64::INFINITY);
@@ -201,9 +200,8 @@ impl AbstractTrace {
             message,
             "K needs lower <= upper, where lower = upper fixes a·u",
         )?;
-        let weight = bound("weight")?.unwrap_or(1.0);
-        let weight = reading.positive_number(&key("weight"), weight)?;
-        Ok(Self { functional, weight, law: law.flatten(), upper, lower })
+        let weight = reading.if_given(&key("weight"), |reading, key| reading.positive(key))?;
+        Ok(Self { functional, weight: weight.unwrap_or(1.0), law, upper, lower })
     }
 
     /// Whether a_i·u is bounded.
@@ -214,11 +212,3 @@ impl AbstractTrace {
 
 /// Times t > 0 at which q(t, t) must be finite.
 const ENDS: u32 = 16;
-
-fn vector(reading: &Reading, key: &str, m: usize) -> Result<Vec<f64>> {
-    reading.numbers(key, m, "one number a component, dimension of them")
-}
-
-fn square(reading: &Reading, key: &str, m: usize) -> Result<Rows> {
-    reading.matrix(key, m, "a matrix of the scene has dimension rows of so many numbers")
-}

@@ -4,7 +4,6 @@
 use fem::contact::BoundaryRule as ContactQuadrature;
 use fem::mesh::Face;
 use formula::Node;
-use serde::de::IgnoredAny;
 
 use super::domain::{Domain, SAME_NORMAL, Side, place};
 use super::friction::Friction;
@@ -90,8 +89,7 @@ impl Contact {
         let gap = reading.if_given(&key("gap"), |reading, key| gap(reading, key, domain, time))?;
         let shift = reading
             .if_given(&key("shift"), |reading, key| finite_on_contact(reading, key, domain))?;
-        let law = reading.if_given(&key("law"), |reading, key| Law::validate(reading, key))?;
-        let mut law = law.flatten();
+        let mut law = Law::validate(reading, &key("law"))?;
         if let Some(law) = &mut law {
             law.scale = reading.if_given(&key("law.scale"), |reading, key| {
                 Scale::validate(reading, key, domain)
@@ -108,15 +106,10 @@ impl Contact {
             reading.refuse_if(domain.bilateral && given, &key(name), message, hint)?;
         }
         let quadrature = quadrature(reading, &key("quadrature"), law.as_ref(), domain)?;
-        let message = "friction beside other contact sides with a law of their own";
-        let hint = "use one [contact] for all contact sides, or remove the friction";
-        reading.refuse_if(
-            count > 1 && reading.has(&key("friction")),
-            &key("friction"),
-            message,
-            hint,
-        )?;
         let friction = reading.if_given(&key("friction"), |reading, key| {
+            let message = "friction beside other contact sides with a law of their own";
+            let hint = "use one [contact] for all contact sides, or remove the friction";
+            reading.refuse_if(count > 1, key, message, hint)?;
             Friction::validate(reading, key, domain, time, (law.as_ref(), quadrature)).map(Box::new)
         })?;
         Ok(Contact {
@@ -137,9 +130,7 @@ fn sides(reading: &Reading, (table, count): (&str, usize), domain: &Domain) -> R
     if !reading.has(&key) && count == 1 {
         return Ok(domain.contact.clone());
     }
-    let empty = reading.required::<Vec<IgnoredAny>>(&key)?.is_empty();
-    let hint = "name contact sides: sides = [\"bottom\"]";
-    reading.refuse_if(empty, &key, "an empty list of sides", hint)?;
+    reading.some_entries(&key)?;
     let sides = domain.listed(reading, &key)?;
     for (index, side) in sides.iter().enumerate() {
         let message = format!("`{}` is not a contact side", domain.name(*side));
@@ -152,33 +143,28 @@ fn sides(reading: &Reading, (table, count): (&str, usize), domain: &Domain) -> R
 
 /// Each contact side in exactly one table, and one quadrature for all.
 fn each_side_once(reading: &Reading, domain: &Domain, all: &[Contact]) -> Result<()> {
-    let mut seen: Vec<(Side, &str)> = Vec::new();
+    let mut seen: Vec<Side> = Vec::new();
     for part in all {
         for (index, &side) in part.sides.iter().enumerate() {
-            let before = seen.iter().find(|(known, _)| *known == side);
             let message =
                 format!("the contact side `{}` has two tables [[contact]]", domain.name(side));
             let key = format!("{}.sides.{index}", part.key);
             let hint = "name each contact side in one of them";
-            reading.refuse_if(before.is_some(), &key, message, hint)?;
-            seen.push((side, &part.key));
+            reading.refuse_if(seen.contains(&side), &key, message, hint)?;
+            seen.push(side);
         }
         let message = "contact sides with different quadratures";
         let hint = "use one for all of them";
         let differs = part.quadrature != all[0].quadrature;
         reading.refuse_if(differs, &join(&part.key, "quadrature"), message, hint)?;
     }
-    let missing = domain.contact.iter().find(|side| !seen.iter().any(|(known, _)| known == *side));
-    match missing {
-        None => Ok(()),
-        Some(&side) => {
-            let name = domain.name(side);
-            let message = format!("the contact side `{name}` is in no table [[contact]]");
-            let hint =
-                format!("add [[contact]] with sides = [\"{name}\"]; it may hold no more than that");
-            Err(reading.error("contact", message, hint))
-        }
-    }
+    let Some(&missing) = domain.contact.iter().find(|side| !seen.contains(side)) else {
+        return Ok(());
+    };
+    let name = domain.name(missing);
+    let message = format!("the contact side `{name}` is in no table [[contact]]");
+    let hint = format!("add [[contact]] with sides = [\"{name}\"]; it may hold no more than that");
+    Err(reading.error("contact", message, hint))
 }
 
 /// Contacts that meet do so at an angle: on one line or plane their common vertices would have two laws and one u_ν.

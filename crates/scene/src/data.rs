@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 
 use exact::LoadForm;
 use formula::{Node, Scope, Variable};
+use serde::de::DeserializeOwned;
 
 use super::contact::Contact;
 use super::definitions::definitions;
@@ -73,78 +74,78 @@ impl Data {
 
 fn exact_solution(reading: &mut Reading, domain: &Domain, contact: &[Contact]) -> Result<Data> {
     let dimension = domain.dimension();
-    let has = |part: fn(&Contact) -> bool| contact.iter().any(part);
+    let with = |part: fn(&Contact) -> bool| -> Vec<Side> {
+        contact.iter().filter(|contact| part(contact)).flat_map(|c| c.sides.clone()).collect()
+    };
+    let held = with(|contact| contact.gap.is_some());
+    let pressed = with(|contact| contact.law.is_some());
+    let rubbed = with(|contact| contact.friction.is_some());
     let needs = [
         (
             "exact.multiplier",
-            has(|contact| contact.gap.is_some()),
+            &held,
             "a multiplier needs a finite gap, because otherwise λ (u_ν - g) = 0 allows only λ = 0",
             "give [contact] a gap, or remove the multiplier",
         ),
         (
             "exact.selection",
-            has(|contact| contact.law.is_some()),
+            &pressed,
             "a selection without a law: there is no set to select from",
             "give [contact] a law, or remove the selection",
         ),
         (
             "exact.friction",
-            has(|contact| contact.friction.is_some()),
+            &rubbed,
             "a friction stress without friction: σ_τ = 0 on the contact sides",
             "add [contact.friction] with a bound, or remove it",
         ),
     ];
-    let unfounded = needs.iter().find(|(key, there, ..)| reading.has(key) && !there);
+    let unfounded = needs.iter().find(|(key, sides, ..)| reading.has(key) && sides.is_empty());
     if let Some((key, _, message, hint)) = unfounded {
-        return Err(reading.key_error(key, *message, *hint));
+        return Err(reading.key_error(key, message, hint));
     }
     let forms = [("weak", LoadForm::Weak), ("strong", LoadForm::Strong)];
     let form = reading.choice_or("exact.form", &forms, LoadForm::Weak)?;
     let scope = definitions(reading, reading.space_and_time(dimension))?;
     let u = reading.vector("exact.u", dimension, &scope)?;
-    let with = |part: fn(&Contact) -> bool| -> Vec<Side> {
-        contact.iter().filter(|contact| part(contact)).flat_map(|c| c.sides.clone()).collect()
+    let mut stated = |key: &str, sides: &[Side], lacks: &str| {
+        if reading.has(key) && !reading.has_parts(key) {
+            let node = reading.formula(key, &scope)?;
+            return Ok(sides.iter().map(|&side| (side, node)).collect());
+        }
+        by_side(reading, key, domain, (sides, lacks), |reading, key, formula: &Formula, _| {
+            reading.compiled(key, formula, &scope)
+        })
     };
-    let (held, pressed) = (with(|c| c.gap.is_some()), with(|c| c.law.is_some()));
-    let multiplier = by_side(reading, "exact.multiplier", domain, &held, &scope)?;
-    let selection = by_side(reading, "exact.selection", domain, &pressed, &scope)?;
+    let multiplier = stated("exact.multiplier", &held, "has no gap")?;
+    let selection = stated("exact.selection", &pressed, "has no law")?;
     let friction = reading
         .if_given("exact.friction", |reading, key| friction(reading, key, dimension, &scope))?;
     let interpolated = reading.optional("exact.interpolated")?.unwrap_or(false);
     Ok(Data::Exact { u, multiplier, selection, friction, interpolated, form })
 }
 
-/// One formula for all of some sides, or one for each of them that is named: `multiplier = { left = "0.1*t" }`.
-fn by_side(
+/// What is made of each entry of a table by sides, `multiplier = { left = "0.1*t" }`, which names some of the given sides;
+/// `lacks` says what is wrong with others.
+fn by_side<T: DeserializeOwned, R>(
     reading: &mut Reading,
     key: &str,
     domain: &Domain,
-    sides: &[Side],
-    scope: &Scope,
-) -> Result<Vec<(Side, Node)>> {
-    if !reading.has(key) {
-        return Ok(Vec::new());
-    }
-    if !reading.has_parts(key) {
-        let node = reading.formula(key, scope)?;
-        return Ok(sides.iter().map(|&side| (side, node)).collect());
-    }
-    let written: BTreeMap<String, Formula> = reading.required(key)?;
+    (sides, lacks): (&[Side], &str),
+    read: impl Fn(&mut Reading, &str, &T, Side) -> Result<R>,
+) -> Result<Vec<(Side, R)>> {
+    let written: Option<BTreeMap<String, T>> = reading.optional(key)?;
     let mut found = Vec::new();
-    for (name, formula) in &written {
+    for (name, value) in written.iter().flatten() {
         let key = join(key, name);
         let side = reading.named(&key, name, &domain.known())?;
-        let message = format!("the side `{name}` has no {}", last_of_needs(&key));
-        let hint = "name contact sides with a gap for multipliers, with a law for selections";
-        reading.refuse_if(!sides.contains(&side), &key, message, hint)?;
-        found.push((side, reading.compiled(&key, formula, scope)?));
+        if !sides.contains(&side) {
+            let hint = "name another side, or give it in [domain] or [contact] what it lacks";
+            return Err(reading.key_error(&key, format!("the side `{name}` {lacks}"), hint));
+        }
+        found.push((side, read(reading, &key, value, side)?));
     }
     Ok(found)
-}
-
-/// What a contact side needs for the table of a key.
-fn last_of_needs(key: &str) -> &'static str {
-    if key.starts_with("exact.multiplier") { "gap" } else { "law" }
 }
 
 /// One formula along the tangent in the plane, a vector in space: `friction = "0.1"`, `friction = ["0.1", "0", "0.05"]`.
@@ -154,18 +155,19 @@ fn friction(
     dimension: usize,
     scope: &Scope,
 ) -> Result<Vec<Node>> {
-    match (reading.has_parts(key), dimension) {
-        (false, 2) => Ok(vec![reading.formula(key, scope)?]),
-        (true, 3) => reading.vector(key, 3, scope),
-        (_, 2) => {
-            let hint = "in the plane it is one formula, along the tangent: friction = \"0.1\"";
-            Err(reading.error(key, "a friction stress of several components", hint))
-        }
-        _ => {
-            let hint = "in space it is a vector: friction = [\"0.1\", \"0\", \"0\"]";
-            Err(reading.error(key, "a friction stress of one component", hint))
-        }
-    }
+    let (message, hint) = match dimension {
+        2 => (
+            "a friction stress of several components",
+            "in the plane it is one formula, along the tangent: friction = \"0.1\"",
+        ),
+        _ => (
+            "a friction stress of one component",
+            "in space it is a vector: friction = [\"0.1\", \"0\", \"0\"]",
+        ),
+    };
+    let vector = reading.has_parts(key);
+    reading.refuse_if(vector != (dimension == 3), key, message, hint)?;
+    if vector { reading.vector(key, 3, scope) } else { Ok(vec![reading.formula(key, scope)?]) }
 }
 
 fn given_loads(reading: &mut Reading, domain: &Domain, time: &Time) -> Result<Data> {
@@ -173,26 +175,14 @@ fn given_loads(reading: &mut Reading, domain: &Domain, time: &Time) -> Result<Da
     let scope = reading.space_and_time(dimension);
     let body = reading.vector("loads.body", dimension, &scope)?;
     finite(reading, "loads.body", &body, &domain.points(SAMPLES), time)?;
-    let mut traction = Vec::new();
-    let written: Option<BTreeMap<String, Vec<Formula>>> = reading.optional("loads.traction")?;
-    for (name, formulas) in written.iter().flatten() {
-        let key = format!("loads.traction.{name}");
-        let side = traction_side(reading, &key, name, domain)?;
-        let nodes = reading.components(&key, formulas, dimension, &scope)?;
-        finite(reading, &key, &nodes, &domain.points_on(side, SAMPLES), time)?;
-        traction.push((side, nodes));
-    }
+    let free = (&domain.traction[..], "is not a traction side");
+    let of_side = |reading: &mut Reading, key: &str, formulas: &Vec<Formula>, side| {
+        let nodes = reading.components(key, formulas, dimension, &scope)?;
+        finite(reading, key, &nodes, &domain.points_on(side, SAMPLES), time)?;
+        Ok(nodes)
+    };
+    let traction = by_side(reading, "loads.traction", domain, free, of_side)?;
     Ok(Data::Loads { body, traction })
-}
-
-fn traction_side(reading: &Reading, key: &str, name: &str, domain: &Domain) -> Result<Side> {
-    let side = reading.named(key, name, &domain.known())?;
-    if domain.traction.contains(&side) {
-        return Ok(side);
-    }
-    let message = format!("a traction on the side `{name}`, which is not a traction side");
-    let hint = "list the side in traction = [...] of [domain], or remove its load";
-    Err(reading.key_error(key, message, hint))
 }
 
 /// Refuses a load that is infinite or undefined at a sample.

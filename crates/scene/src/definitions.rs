@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use formula::{Graph, Node, Scope};
 
-use super::reading::{Formula, Reading, placed};
+use super::reading::{Formula, Reading, join, placed};
 use super::source::{Result, SceneError};
 
 /// The named constants; each may use earlier ones.
@@ -39,39 +39,27 @@ fn defined(
     mut scope: Scope,
     mut check: impl FnMut(&Reading, &str, &str, Node) -> Result<()>,
 ) -> Result<Scope> {
-    let ordered = in_file_order(reading, table)?;
+    let written: BTreeMap<String, Formula> = reading.optional(table)?.unwrap_or_default();
+    let keyed = written.into_iter().map(|(name, formula)| (join(table, &name), name, formula));
+    let mut ordered: Vec<_> = keyed.collect();
+    ordered.sort_by_key(|(key, ..)| placed(reading.table, key).key.start);
     for (key, name, formula) in &ordered {
         free_name(reading, key, name)?;
-        let node = reading.compiled(key, formula, &scope).map_err(|error| {
-            let names = ordered.iter().map(|(_, name, _)| name.as_str());
-            let later: Vec<&str> = names.filter(|name| scope.get(name).is_none()).collect();
-            used_too_early(error, &later)
+        let node = reading.compiled(key, formula, &scope).map_err(|mut error| {
+            if let SceneError::Text(fault) = &mut error {
+                let word = &fault.text[fault.span.clone()];
+                let later =
+                    scope.get(word).is_none() && ordered.iter().any(|(_, name, _)| name == word);
+                let note =
+                    "is defined here or further down: a definition may use only those above it";
+                fault.notes.extend(later.then(|| format!("`{word}` {note}")));
+            }
+            error
         })?;
         check(reading, key, name, node)?;
         scope.define(name, node);
     }
     Ok(scope)
-}
-
-/// Adds a note if a formula names something defined further down.
-fn used_too_early(mut error: SceneError, later: &[&str]) -> SceneError {
-    if let SceneError::Text(fault) = &mut error {
-        let word = &fault.text[fault.span.clone()];
-        let note = "is defined here or further down: a definition may use only those above it";
-        fault.notes.extend(later.contains(&word).then(|| format!("`{word}` {note}")));
-    }
-    error
-}
-
-/// (dotted key, name, formula) of a table, sorted by position in the file.
-fn in_file_order(reading: &Reading, table: &str) -> Result<Vec<(String, String, Formula)>> {
-    let written: BTreeMap<String, Formula> = reading.optional(table)?.unwrap_or_default();
-    let mut entries: Vec<_> = written
-        .into_iter()
-        .map(|(name, formula)| (format!("{table}.{name}"), name, formula))
-        .collect();
-    entries.sort_by_key(|(key, ..)| placed(reading.table, key).key.start);
-    Ok(entries)
 }
 
 /// Checks that a name is valid in formulas and not taken.

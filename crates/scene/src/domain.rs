@@ -3,12 +3,11 @@
 use crate::reading::{Reading, placed};
 use crate::source::{Result, SceneError, Source};
 use fem::mesh::{
-    CoarseMesh, Face, Family, Family as MeshFamily, Fault, Mesh, PolygonError, REST, lattice,
-    read_gmsh, triangulate, vertex_at,
+    CoarseMesh, Face, Family, Fault, Mesh, PolygonError, REST, lattice, read_gmsh, triangulate,
+    vertex_at,
 };
 use files::read_file_up_to;
 use formula::EvaluationPoint;
-use serde::de::IgnoredAny;
 pub use side::Side;
 pub(crate) use side::{SAME_NORMAL, largest_on};
 use std::path::{Path, PathBuf};
@@ -66,12 +65,37 @@ impl Domain {
         domain.symmetry = domain.listed(reading, "domain.symmetry")?;
         domain.traction = domain.listed(reading, "domain.traction")?;
         domain.contact = domain.listed(reading, "domain.contact")?;
-        domain.take_rest(reading)?;
+        // What becomes of the sides that no list names.
+        if reading.has("domain.rest") {
+            reading.choice("domain.rest", &[("traction", ())])?;
+            let listed = domain.lists().map(|(_, sides)| &sides[..]).concat();
+            domain.traction.extend(domain.all_sides().filter(|side| !listed.contains(side)));
+        }
         domain.mesh = family(reading, &domain)?;
         domain.each_side_once(reading)?;
         side::few_at_a_vertex(reading, &domain)?;
-        domain.fixed(reading)?;
-        Ok(domain)
+        // A body that can move without strain: Γ1 is empty, and u_ν = 0 leaves a translation or rotation.
+        let free = domain.clamped.is_empty();
+        let top = domain.sides.iter().find(|name| *name == "top").or(domain.sides.first());
+        let top = top.map_or("top", String::as_str);
+        let hint = format!("clamp at least one side: clamped = [\"{top}\"]");
+        let message =
+            "no side is clamped: without Γ1 there is no Korn inequality, and ‖ε(v)‖ is no norm";
+        let all_free = free && domain.held().is_empty();
+        reading.refuse_if(all_free, "domain.clamped", message, &hint)?;
+        let message = "no side is clamped, and the body can move along its planes of symmetry: there ‖ε(v)‖ is no norm";
+        let left = free && side::rigid_motions_left(&domain) > 0;
+        reading.refuse_if(left, "domain.symmetry", message, hint).map(|()| domain)
+    }
+
+    /// Its sides by condition.
+    fn lists(&self) -> [(&'static str, &Vec<Side>); 4] {
+        [
+            ("clamped", &self.clamped),
+            ("symmetry", &self.symmetry),
+            ("traction", &self.traction),
+            ("contact", &self.contact),
+        ]
     }
 
     /// d.
@@ -113,23 +137,6 @@ impl Domain {
     /// All sides.
     pub fn all_sides(&self) -> impl Iterator<Item = Side> + use<> {
         (0..self.sides.len() as u32).map(Side)
-    }
-
-    /// Refuses a body that can move without strain: Γ1 is empty, and u_ν = 0 on planes of symmetry leaves a translation or
-    /// rotation.
-    fn fixed(&self, reading: &Reading) -> Result<()> {
-        if !self.clamped.is_empty() {
-            return Ok(());
-        }
-        let hint = format!("clamp at least one side: clamped = [\"{}\"]", self.example_of_a_side());
-        if self.held().is_empty() {
-            let message =
-                "no side is clamped: without Γ1 there is no Korn inequality, and ‖ε(v)‖ is no norm";
-            return Err(reading.error("domain.clamped", message, hint));
-        }
-        let message = "no side is clamped, and the body can move along its planes of symmetry: there ‖ε(v)‖ is no norm";
-        let left = side::rigid_motions_left(self) > 0;
-        reading.refuse_if(left, "domain.symmetry", message, hint)
     }
 
     /// If Γ3 is one plane piece and all normal lines from it end on Γ1, or across a plane of symmetry: the longest of them
@@ -241,11 +248,6 @@ impl Domain {
         }
     }
 
-    fn example_of_a_side(&self) -> &str {
-        let top = self.sides.iter().find(|name| *name == "top");
-        top.or(self.sides.first()).map_or("top", String::as_str)
-    }
-
     /// The sides that a list names.
     pub(super) fn listed(&self, reading: &Reading, key: &str) -> Result<Vec<Side>> {
         let one = |index| {
@@ -270,28 +272,9 @@ impl Domain {
         }
     }
 
-    /// `rest`: what becomes of the sides that no list names.
-    fn take_rest(&mut self, reading: &Reading) -> Result<()> {
-        if reading.optional::<String>("domain.rest")?.is_none() {
-            return Ok(());
-        }
-        reading.choice("domain.rest", &[("traction", ())])?;
-        let lists = [&self.clamped, &self.symmetry, &self.traction, &self.contact];
-        let listed = lists.into_iter().flatten();
-        let listed: Vec<Side> = listed.copied().collect();
-        self.traction.extend(self.all_sides().filter(|side| !listed.contains(side)));
-        Ok(())
-    }
-
     fn each_side_once(&self, reading: &Reading) -> Result<()> {
-        let lists = [
-            ("clamped", &self.clamped),
-            ("symmetry", &self.symmetry),
-            ("traction", &self.traction),
-            ("contact", &self.contact),
-        ];
         let mut owner: Vec<Option<&str>> = vec![None; self.sides.len()];
-        for (list, sides) in lists {
+        for (list, sides) in self.lists() {
             for (index, side) in sides.iter().enumerate() {
                 if let Some(first) = owner[side.index()].replace(list) {
                     let (key, side) = (format!("domain.{list}.{index}"), self.name(*side));
@@ -319,8 +302,6 @@ impl Domain {
 
 // `[domain] shape`: its keys and its meaning.
 
-type Parts = (Shape, Vec<f64>, Vec<String>);
-
 /// The shapes with their keys.
 const SHAPES: [(&str, &str); 4] = [
     ("rectangle", "size"),
@@ -329,23 +310,34 @@ const SHAPES: [(&str, &str); 4] = [
     ("mesh", "file"),
 ];
 
-pub(super) fn shape(reading: &Reading, dimension: usize) -> Result<Parts> {
+fn shape(reading: &Reading, dimension: usize) -> Result<(Shape, Vec<f64>, Vec<String>)> {
     let known: &[(&str, &str)] = match dimension {
         3 => &[("box", "box"), ("mesh", "mesh")],
         _ => &[("rectangle", "rectangle"), ("polygon", "polygon"), ("mesh", "mesh")],
     };
-    let plane = reading.required::<String>("domain.shape")? == "polygon";
-    let message = "the shape `polygon` is plane, and dimension = 3";
-    let hint = "write shape = \"box\" or \"mesh\", or dimension = 2";
-    reading.refuse_if(dimension == 3 && plane, "domain.shape", message, hint)?;
     let shape = reading.choice("domain.shape", known)?;
     reading.only("domain", ("shape", shape), &SHAPES)?;
     let coarse = match shape {
         "polygon" => polygon(reading)?,
-        "mesh" => mesh_file(reading, dimension)?,
+        "mesh" => {
+            let path = path_of(reading.source, &reading.required::<String>("domain.file")?);
+            let text = reading.source.mesh.as_deref().unwrap_or_default();
+            let mesh = read_gmsh(text).map_err(|error| {
+                let message = format!("the mesh file, {error}");
+                let source = Source::from_text(path.clone(), text);
+                SceneError::at(&source, error.span, message, error.fault.hint())
+            })?;
+            let cells = match mesh.dimension {
+                3 => "tetrahedra, and dimension = 2",
+                _ => "triangles and no tetrahedra, and dimension = 3",
+            };
+            let message = format!("the mesh {} has {cells}", path.display());
+            let hint = "write the other dimension, or export the elements of this one from gmsh";
+            reading.refuse_if(mesh.dimension != dimension, "domain.file", message, hint)?;
+            mesh
+        }
         _ => {
-            let hint = "give one length a dimension: size = [1.0, 1.0]";
-            let lengths = reading.entries_of("domain.size", dimension, hint)?;
+            let lengths = reading.entries_of("domain.size", dimension)?;
             let length = |index| reading.positive(&format!("domain.size.{index}"));
             let size = lengths.map(length).collect::<Result<_, _>>()?;
             let names = side::OF_A_BOX[..2 * dimension].iter().map(|name| (*name).to_string());
@@ -366,9 +358,9 @@ const STEEPEST: f64 = 8.0;
 const MESHES: [(&str, &str); 3] =
     [("structured", ""), ("perturbed", "amplitude seed axes"), ("graded", "corner exponent")];
 
-pub(super) fn family(reading: &Reading, domain: &Domain) -> Result<MeshFamily> {
+pub(super) fn family(reading: &Reading, domain: &Domain) -> Result<Family> {
     if !reading.has("domain.mesh") {
-        return Ok(MeshFamily::Structured);
+        return Ok(Family::Structured);
     }
     let kind = reading.kind("domain.mesh", &MESHES)?;
     let tetrahedra = matches!(&domain.shape, Shape::Refined(coarse) if coarse.dimension == 3);
@@ -377,63 +369,67 @@ pub(super) fn family(reading: &Reading, domain: &Domain) -> Result<MeshFamily> {
         "remove `mesh`, because the file says where the vertices are and refinement keeps them";
     reading.refuse_if(kind != "structured" && tetrahedra, "domain.mesh.kind", message, hint)?;
     match kind {
-        "structured" => Ok(MeshFamily::Structured),
-        "perturbed" => perturbed(reading, domain.dimension()),
-        _ => graded(reading, domain),
+        "structured" => Ok(Family::Structured),
+        "perturbed" => {
+            let hint = "it is a part of the mesh width; from 0.25 on a triangle may turn over";
+            let fits = |amplitude| (0.0..0.25).contains(&amplitude);
+            let key = "domain.mesh.amplitude";
+            let amplitude = reading.number(key, fits, ["is outside [0, 0.25)", hint])?;
+            let seed = reading.seed("domain.mesh.seed")?;
+            let known = &[("x", 0), ("y", 1), ("z", 2)][..domain.dimension()];
+            let mut axes = [!reading.has("domain.mesh.axes"); 3];
+            for index in reading.entries("domain.mesh.axes")? {
+                axes[reading.choice(&format!("domain.mesh.axes.{index}"), known)?] = true;
+            }
+            Ok(Family::Perturbed { amplitude, seed, axes })
+        }
+        _ => {
+            let key = "domain.mesh.corner";
+            let corner = reading.pair(key)?;
+            let fault = format!("is outside [1, {STEEPEST}]");
+            let hint = "1 leaves the mesh as it is; for u ~ r^s at the corner 1/s or a little more restores order 1";
+            let fits = |exponent| (1.0..=STEEPEST).contains(&exponent);
+            let exponent = reading.number("domain.mesh.exponent", fits, [&fault, hint])?;
+            let (known, what) = match &domain.shape {
+                Shape::Box if domain.dimension() == 3 => {
+                    let message = "a box has no graded meshes";
+                    return Err(reading.error("domain.mesh.kind", message, "grade a plane scene"));
+                }
+                Shape::Box => {
+                    let ends =
+                        |axis: usize| corner[axis] == 0.0 || corner[axis] == domain.size[axis];
+                    (ends(0) && ends(1), "corner of the rectangle")
+                }
+                Shape::Refined(coarse) => {
+                    (vertex_at(coarse, corner).is_some(), "vertex of the coarse triangulation")
+                }
+            };
+            let message = format!("({}, {}) is no {what}", corner[0], corner[1]);
+            reading.refuse_if(
+                !known,
+                key,
+                message,
+                "grade towards a vertex that is in the file",
+            )?;
+            Ok(Family::Graded { corner, exponent })
+        }
     }
-}
-
-fn perturbed(reading: &Reading, dimension: usize) -> Result<MeshFamily> {
-    let hint = "it is a part of the mesh width; from 0.25 on a triangle may turn over";
-    let range = ["is outside [0, 0.25)", hint];
-    let fits = |amplitude| (0.0..0.25).contains(&amplitude);
-    let amplitude = reading.number("domain.mesh.amplitude", fits, range)?;
-    let seed = reading.seed("domain.mesh.seed")?;
-    let axes = axes(reading, dimension)?;
-    Ok(MeshFamily::Perturbed { amplitude, seed, axes })
-}
-
-/// The axes along which vertices move: by default all.
-fn axes(reading: &Reading, dimension: usize) -> Result<[bool; 3]> {
-    let known = &[("x", 0), ("y", 1), ("z", 2)][..dimension];
-    let mut moved = [!reading.has("domain.mesh.axes"); 3];
-    for index in reading.entries("domain.mesh.axes")? {
-        moved[reading.choice(&format!("domain.mesh.axes.{index}"), known)?] = true;
-    }
-    Ok(moved)
-}
-
-fn graded(reading: &Reading, domain: &Domain) -> Result<MeshFamily> {
-    let key = "domain.mesh.corner";
-    let corner = reading.pair(key, A_POINT)?;
-    let fault = format!("is outside [1, {STEEPEST}]");
-    let hint = "1 leaves the mesh as it is; for u ~ r^s at the corner 1/s or a little more restores order 1";
-    let fits = |exponent| (1.0..=STEEPEST).contains(&exponent);
-    let exponent = reading.number("domain.mesh.exponent", fits, [&fault, hint])?;
-    let (known, what) = match &domain.shape {
-        Shape::Box if domain.dimension() == 3 => {
-            let message = "a box has no graded meshes";
-            return Err(reading.error("domain.mesh.kind", message, "grade a plane scene"));
-        }
-        Shape::Box => {
-            let ends = |axis: usize| corner[axis] == 0.0 || corner[axis] == domain.size[axis];
-            (ends(0) && ends(1), "corner of the rectangle")
-        }
-        Shape::Refined(coarse) => {
-            (vertex_at(coarse, corner).is_some(), "vertex of the coarse triangulation")
-        }
-    };
-    let message = format!("({}, {}) is no {what}", corner[0], corner[1]);
-    reading.refuse_if(!known, key, message, "grade towards a vertex that is in the file")?;
-    Ok(MeshFamily::Graded { corner, exponent })
 }
 
 // `shape = "polygon"`: vertices, named edges, and a coarse triangulation.
 
 pub(super) fn polygon(reading: &Reading) -> Result<CoarseMesh> {
-    let _: IgnoredAny = reading.required("domain.vertices")?;
-    let boundary = &places(reading, "domain.vertices")?[..];
-    measurable(reading, boundary)?;
+    let boundary = &reading.points("domain.vertices")?[..];
+    let extent = |axis: usize| {
+        let along = || boundary.iter().map(|p| p[axis]);
+        along().fold(f64::NEG_INFINITY, f64::max) - along().fold(f64::INFINITY, f64::min)
+    };
+    let extent = extent(0).max(extent(1));
+    // Coinciding or too few points get better messages below.
+    let known = extent <= 0.0 || EXTENTS.contains(&extent);
+    let message = format!("the polygon is {extent:.1e} across, outside 1e-150 to 1e150");
+    let hint = "areas leave the range of doubles there; state the scene in another unit of length";
+    reading.refuse_if(!known, "domain.vertices", message, hint)?;
     let triangles = triangulate(boundary).map_err(|error| refused(reading, &error))?;
     let mut vertices = boundary.to_vec();
     let triangles = match (reading.has("domain.triangles"), reading.has("domain.points")) {
@@ -443,60 +439,30 @@ pub(super) fn polygon(reading: &Reading) -> Result<CoarseMesh> {
             let hint = "add triangles = [[i, j, k], ...], numbered from 0, first the vertices, then the points";
             return Err(reading.key_error("domain.points", message, hint));
         }
-        (true, _) => {
-            vertices.extend(places(reading, "domain.points")?);
-            numbered(reading, vertices.len())?
+        (true, points) => {
+            if points {
+                vertices.extend(reading.points("domain.points")?);
+            }
+            let last = vertices.len() as i64 - 1;
+            let fault = format!("is no vertex: {} are numbered from 0", vertices.len());
+            let triangle = |t| {
+                let key = format!("domain.triangles.{t}");
+                reading.entries_of(&key, 3)?;
+                let corner = |a: usize| reading.whole(&format!("{key}.{a}"), 0..=last, &fault);
+                Ok([corner(0)?, corner(1)?, corner(2)?])
+            };
+            reading.entries("domain.triangles")?.map(triangle).collect::<Result<_>>()?
         }
     };
     let (sides, of_edge) = names(reading, boundary.len())?;
     CoarseMesh::polygon(&vertices, &triangles, &of_edge, sides).map_err(|error| {
         let hint = "the triangles must cover the polygon, edge to edge, and each edge of the polygon must be an edge of one of them";
-        reading.error("domain.triangles", error.to_string(), hint)
+        reading.error("domain.triangles", error, hint)
     })
 }
 
 /// Range in which areas of polygons and of all their cells are doubles.
 const EXTENTS: std::ops::RangeInclusive<f64> = 1e-150..=1e150;
-
-fn measurable(reading: &Reading, boundary: &[[f64; 2]]) -> Result<()> {
-    let range = |axis: usize| {
-        let ends = boundary.iter().fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], p| {
-            [low.min(p[axis]), high.max(p[axis])]
-        });
-        ends[1] - ends[0]
-    };
-    let extent = range(0).max(range(1));
-    // Coinciding or too few points get better messages below.
-    let known = extent <= 0.0 || EXTENTS.contains(&extent);
-    let message = format!("the polygon is {extent:.1e} across, outside 1e-150 to 1e150");
-    let hint = "areas leave the range of doubles there; state the scene in another unit of length";
-    reading.refuse_if(!known, "domain.vertices", message, hint)
-}
-
-fn places(reading: &Reading, key: &str) -> Result<Vec<[f64; 2]>> {
-    reading.entries(key)?.map(|i| reading.pair(&format!("{key}.{i}"), A_POINT)).collect()
-}
-
-pub(super) const A_POINT: &str = "a point of the plane has two numbers: write [x, y]";
-
-/// Triangles of the file, with checked vertex numbers.
-fn numbered(reading: &Reading, count: usize) -> Result<Vec<[u32; 3]>> {
-    let triangle = |t| {
-        let key = format!("domain.triangles.{t}");
-        reading.entries_of(&key, 3, "a triangle has three vertices: write [i, j, k]")?;
-        let corner = |a: usize| vertex(reading, &format!("{key}.{a}"), count);
-        Ok([corner(0)?, corner(1)?, corner(2)?])
-    };
-    reading.entries("domain.triangles")?.map(triangle).collect()
-}
-
-/// The number of one of the vertices.
-fn vertex(reading: &Reading, key: &str, count: usize) -> Result<u32> {
-    let value: i64 = reading.required(key)?;
-    let known = u32::try_from(value).ok().filter(|&v| (v as usize) < count);
-    let message = format!("there is no vertex {value}: {count} are numbered from 0");
-    known.ok_or_else(|| reading.error(key, message, "first the vertices, then the points"))
-}
 
 /// Names of the sides in order of appearance, and the side of each edge.
 fn names(reading: &Reading, count: usize) -> Result<(Vec<String>, Vec<u32>)> {
@@ -508,9 +474,9 @@ fn names(reading: &Reading, count: usize) -> Result<(Vec<String>, Vec<u32>)> {
     let mut sides: Vec<String> = Vec::new();
     let mut of_edge = Vec::new();
     for (i, name) in names.into_iter().enumerate() {
-        let (key, what) = (format!("domain.sides.{i}"), "a side without name");
-        let hint = "give the side a name: sides = [\"bottom\", ...]";
-        reading.refuse_if(name.trim().is_empty(), &key, what, hint)?;
+        if reading.has("domain.sides") {
+            reading.text(&format!("domain.sides.{i}"))?;
+        }
         let side = sides.iter().position(|known| *known == name).unwrap_or_else(|| {
             sides.push(name);
             sides.len() - 1
@@ -521,28 +487,25 @@ fn names(reading: &Reading, count: usize) -> Result<(Vec<String>, Vec<u32>)> {
 }
 
 fn refused(reading: &Reading, error: &PolygonError) -> SceneError {
-    let (key, hint) = match error {
-        PolygonError::TooFew { .. } => {
-            ("domain.vertices".to_string(), "vertices = [[0.0, 0.0], [1.0, 0.0], [0.5, 1.0]]")
-        }
+    let (vertex, hint) = match error {
+        PolygonError::TooFew { .. } => (None, "vertices = [[0.0, 0.0], [1.0, 0.0], [0.5, 1.0]]"),
         PolygonError::Repeated { second, .. } => (
-            format!("domain.vertices.{second}"),
+            Some(second),
             "name each corner once; the last edge returns to the first vertex by itself",
         ),
         PolygonError::Crossing { second, .. } => {
-            (format!("domain.vertices.{second}"), "order the vertices along the boundary")
+            (Some(second), "order the vertices along the boundary")
         }
-        PolygonError::Clockwise { .. } => (
-            "domain.vertices".to_string(),
-            "reverse them: the domain lies on the left of each edge",
-        ),
-        PolygonError::TooThin { vertex } => (
-            format!("domain.vertices.{vertex}"),
-            "widen the polygon, or give triangles = [[i, j, k], ...]",
-        ),
+        PolygonError::Clockwise { .. } => {
+            (None, "reverse them: the domain lies on the left of each edge")
+        }
+        PolygonError::TooThin { vertex } => {
+            (Some(vertex), "widen the polygon, or give triangles = [[i, j, k], ...]")
+        }
     };
     // Vertices in messages count from 0, as in `triangles`.
-    reading.error(&key, error.to_string(), hint)
+    let key = vertex.map_or(String::new(), |vertex| format!(".{vertex}"));
+    reading.error(&format!("domain.vertices{key}"), error, hint)
 }
 
 // `shape = "mesh"`: a gmsh file beside the scene file.
@@ -569,24 +532,6 @@ pub(crate) fn with_mesh(source: Source, table: &DeTable<'_>) -> Result<Source> {
 
 fn path_of(source: &Source, file: &str) -> PathBuf {
     source.path.parent().unwrap_or(Path::new("")).join(file)
-}
-
-pub(super) fn mesh_file(reading: &Reading, dimension: usize) -> Result<CoarseMesh> {
-    let path = path_of(reading.source, &reading.required::<String>("domain.file")?);
-    let text = reading.source.mesh.as_deref().unwrap_or_default();
-    let mesh = read_gmsh(text).map_err(|error| {
-        let message = format!("the mesh file, {error}");
-        let hint = error.fault.hint();
-        SceneError::at(&Source::from_text(path.clone(), text), error.span, message, hint)
-    })?;
-    let cells = match mesh.dimension {
-        found if found == dimension => return Ok(mesh),
-        3 => "tetrahedra, and dimension = 2",
-        _ => "triangles and no tetrahedra, and dimension = 3",
-    };
-    let message = format!("the mesh {} has {cells}", path.display());
-    let hint = "write the other dimension, or export the elements of this one from gmsh";
-    Err(reading.error("domain.file", message, hint))
 }
 
 fn text(path: &Path) -> Result<String, (String, &'static str)> {

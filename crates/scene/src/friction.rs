@@ -33,10 +33,35 @@ impl Friction {
         one_tangent_a_vertex(reading, key, domain)?;
         let key = &join(key, "bound");
         let bound = match reading.has_parts(key) {
-            false => given(reading, key, domain, time)?,
+            false => {
+                let scope = reading.space_and_time(domain.dimension());
+                let node = reading.formula(key, &scope)?;
+                let fits = |bound: f64| bound.is_finite() && bound >= 0.0;
+                let hint = "the bound of the friction stress must be finite and not negative on every contact side and on [0, T]";
+                on_contact(reading, (key, node), domain, (time.horizon, TIMES), fits, hint)?;
+                FrictionBound::Given(node)
+            }
             true => match reading.kind(key, &BOUNDS)? {
                 "coulomb" => FrictionBound::Coulomb(coulomb(reading, key, normal)?),
-                _ => FrictionBound::Slip(slip(reading, key)?),
+                _ => {
+                    let key = &join(key, "points");
+                    let points = reading.points(key)?;
+                    for (index, &[r, bound]) in points.iter().enumerate() {
+                        let here = format!("{key}.{index}");
+                        let message =
+                            format!("the bound is {bound} at r = {r}: it must not be negative");
+                        reading.refuse_if(bound < 0.0, &here, message, "give S >= 0")?;
+                        let fits = match index.checked_sub(1) {
+                            None => r == 0.0,
+                            Some(before) => r > points[before][0],
+                        };
+                        let message =
+                            format!("the slip {r}: points start at r = 0, and r increases");
+                        let hint = "a jump of S would violate relaxed monotonicity (2.8c) on one side of r = 0: replace it by a steep slope";
+                        reading.refuse_if(!fits, &here, message, hint)?;
+                    }
+                    FrictionBound::Slip(points)
+                }
             },
         };
         Ok(Self { bound })
@@ -61,16 +86,6 @@ impl Friction {
     }
 }
 
-/// S(x, t), finite and nonnegative at the samples.
-fn given(reading: &mut Reading, key: &str, domain: &Domain, time: &Time) -> Result<FrictionBound> {
-    let scope = reading.space_and_time(domain.dimension());
-    let node = reading.formula(key, &scope)?;
-    let fits = |bound: f64| bound.is_finite() && bound >= 0.0;
-    let hint = "the bound of the friction stress must be finite and not negative on every contact side and on [0, T]";
-    on_contact(reading, (key, node), domain, (time.horizon, TIMES), fits, hint)?;
-    Ok(FrictionBound::Given(node))
-}
-
 /// μ_f > 0, with a single-valued, nonnegative law of bounded rise, at the vertices.
 fn coulomb(
     reading: &mut Reading,
@@ -81,7 +96,9 @@ fn coulomb(
     let scope = reading.scope(&[]);
     let node = reading.formula(key, &scope)?;
     let coefficient = reading.formulas.evaluate(node, &EvaluationPoint::default());
-    let coefficient = reading.positive_number(key, coefficient)?;
+    let message = format!("`coefficient` = {coefficient} is not positive and finite");
+    let fits = coefficient > 0.0 && coefficient.is_finite();
+    reading.refuse_if(!fits, key, message, "give a number above 0")?;
     let key = &join(bound, "kind");
     let Some(law) = law else {
         let hint = "add law = { kind = \"linear\", stiffness = 2.0 } or another law to [contact], or give the bound";
@@ -116,25 +133,6 @@ fn coulomb(
     Ok(coefficient)
 }
 
-fn slip(reading: &Reading, bound: &str) -> Result<Vec<[f64; 2]>> {
-    let key = &join(bound, "points");
-    let points = reading.points(key, "[r, S(r)]")?;
-    for (index, &[r, bound]) in points.iter().enumerate() {
-        let here = format!("{key}.{index}");
-        let message = format!("the bound is {bound} at r = {r}: it must not be negative");
-        reading.refuse_if(bound < 0.0, &here, message, "give S >= 0")?;
-        let fits = match index.checked_sub(1) {
-            None => r == 0.0,
-            Some(before) => r > points[before][0],
-        };
-        let message = format!("the slip {r}: points start at r = 0, and r increases");
-        let hint = "a jump of S would violate relaxed monotonicity (2.8c) on one side of r = 0: replace it by a steep slope";
-        reading.refuse_if(!fits, &here, message, hint)?;
-    }
-    let hint = "give at least one: points = [[0.0, 0.3], [0.1, 0.28]]";
-    reading.refuse_if(points.is_empty(), key, "the bound has no point", hint).map(|()| points)
-}
-
 /// u_τ takes the unknowns left by u_ν: a vertex between two contact sides has too few, unless it is clamped. In space
 /// such sides meet along an edge.
 fn one_tangent_a_vertex(reading: &Reading, key: &str, domain: &Domain) -> Result<()> {
@@ -142,7 +140,8 @@ fn one_tangent_a_vertex(reading: &Reading, key: &str, domain: &Domain) -> Result
         sides.iter().flat_map(|side| domain.faces(*side)).collect()
     };
     let d = domain.dimension();
-    let (contact, clamped) = (of(&domain.contact), of(&domain.clamped));
+    let [contact, clamped, symmetry] =
+        [&domain.contact, &domain.clamped, &domain.symmetry].map(|sides| of(sides));
     for (i, face) in contact.iter().enumerate() {
         for p in face.corners() {
             let bends = |other: &Face| {
@@ -155,22 +154,27 @@ fn one_tangent_a_vertex(reading: &Reading, key: &str, domain: &Domain) -> Result
                 let along: f64 = (0..3).map(|k| plane.normal[k] * face.normal[k]).sum();
                 along.abs() > SAME_NORMAL && plane.has_corner(p)
             };
-            if of(&domain.symmetry).iter().any(leans) {
-                let message = format!(
-                    "a contact side with friction and a plane of symmetry meet at {} at another angle than a right one: u_tau has no unknown of its own there",
-                    place(&p.into(), d)
-                );
-                let hint = "turn the plane of symmetry, put another side between them, or remove [contact.friction]";
-                return Err(reading.key_error(key, message, hint));
-            }
-            if contact[..i].iter().any(bends) && !held() {
-                let message = format!(
-                    "two contact sides with friction meet at {}: both displacements of that vertex carry a normal condition",
-                    place(&p.into(), d)
-                );
-                let hint = "put a traction or clamped side between contact sides, or remove [contact.friction]";
-                return Err(reading.key_error(key, message, hint));
-            }
+            let at = || place(&p.into(), d);
+            let (message, hint) = if symmetry.iter().any(leans) {
+                (
+                    format!(
+                        "a contact side with friction and a plane of symmetry meet at {} at another angle than a right one: u_tau has no unknown of its own there",
+                        at()
+                    ),
+                    "turn the plane of symmetry, put another side between them, or remove [contact.friction]",
+                )
+            } else if contact[..i].iter().any(bends) && !held() {
+                (
+                    format!(
+                        "two contact sides with friction meet at {}: both displacements of that vertex carry a normal condition",
+                        at()
+                    ),
+                    "put a traction or clamped side between contact sides, or remove [contact.friction]",
+                )
+            } else {
+                continue;
+            };
+            return Err(reading.key_error(key, message, hint));
         }
     }
     Ok(())

@@ -7,7 +7,7 @@ use formula::{EvaluationPoint, Node, Variable};
 
 use super::data::AXES;
 use super::domain::{Domain, place};
-use super::reading::{Formula, Reading, in_time, last};
+use super::reading::{Formula, Reading, evenly, in_time, last};
 use super::source::SceneError;
 use super::time::Time;
 use super::validated::Hypothesis;
@@ -73,8 +73,7 @@ pub(super) fn gap(
     let times = if reading.formulas.depends_on(gap, Variable::T) { TIMES } else { 0 };
     on_contact(reading, (key, gap), domain, (time.horizon, times), f64::is_finite, FINITE)?;
     if !reading.violates.contains(&Hypothesis::ConcaveGap) {
-        for n in 0..=times {
-            let t = time.horizon * f64::from(n) / f64::from(times.max(1));
+        for t in evenly(0.0, time.horizon, times) {
             concave(reading, (key, gap), domain, t)?;
         }
     }

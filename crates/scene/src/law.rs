@@ -33,53 +33,63 @@ pub struct Law {
 }
 
 impl Law {
+    /// The law of a table; none without it.
     pub(super) fn validate(reading: &Reading, table: &str) -> Result<Option<Law>> {
-        let curve = match reading.kind(table, &LAWS)? {
+        let kind = if reading.has(table) { reading.kind(table, &LAWS)? } else { "none" };
+        let positive = |name: &str| reading.positive(&join(table, name));
+        let curve = match kind {
             "none" => return Ok(None),
             "linear" => {
                 let stiffness = reading.finite(&join(table, "stiffness"))?;
                 return Ok(Some(Law::graph(vec![[0.0, 0.0]], stiffness, stiffness)));
             }
-            "piecewise-linear" => return Law::piecewise_linear(reading, table).map(Some),
-            curved => read_curve(reading, table, curved)?,
+            "piecewise-linear" => {
+                let key = join(table, "points");
+                let points = reading.points(&key)?;
+                let slope = |name: &str| reading.finite(&join(table, name));
+                let (before, after) = (slope("slope_before")?, slope("slope_after")?);
+                for (index, pair) in points.windows(2).enumerate() {
+                    admissible(reading, &format!("{key}.{}", index + 1), pair[0], pair[1])?;
+                }
+                for (index, three) in points.windows(3).enumerate() {
+                    let message = format!("three points at r = {}", three[0][0]);
+                    let hint = "a jump needs its lower and its upper end: remove the point between";
+                    let odd = three[0][0] == three[2][0];
+                    reading.refuse_if(odd, &format!("{key}.{}", index + 1), message, hint)?;
+                }
+                return Ok(Some(Law::graph(points, before, after)));
+            }
+            "power" => {
+                let coefficient = positive("coefficient")?;
+                let fits = |exponent: f64| exponent >= 1.0 && exponent.is_finite();
+                let fault = "is not at least 1: below it the slope of the law is infinite at r = 0";
+                let range = [fault, "give an exponent of at least 1"];
+                let exponent = reading.number(&join(table, "exponent"), fits, range)?;
+                let until = positive("until")?;
+                let slope = coefficient * exponent * until.powf(exponent - 1.0);
+                let message = format!("the slope of the law at r = {until} is {slope}");
+                let hint = "(2.8b) asks for linear growth: lower `until` or `exponent`";
+                reading.refuse_if(!slope.is_finite(), &join(table, "until"), message, hint)?;
+                Curve::Power { coefficient, exponent, until }
+            }
+            "rational" => {
+                Curve::Rational { stiffness: positive("stiffness")?, length: positive("length")? }
+            }
+            _ => Curve::Exponential {
+                stiffness: positive("stiffness")?,
+                length: positive("length")?,
+            },
         };
         // A curve after an optional jump at r = 0: [0, jump] there, jump + p(r) beyond.
-        let (mut points, jump) = (vec![[0.0, 0.0]], join(table, "jump"));
-        if reading.has(&jump) {
-            points.push([0.0, reading.positive(&jump)?]);
+        let mut points = vec![[0.0, 0.0]];
+        if reading.has(&join(table, "jump")) {
+            points.push([0.0, positive("jump")?]);
         }
         Ok(Some(Law { curve: Some(curve), ..Law::graph(points, 0.0, 0.0) }))
     }
 
     pub(crate) fn graph(points: Vec<[f64; 2]>, slope_before: f64, slope_after: f64) -> Law {
         Law { points, slope_before, slope_after, curve: None, scale: None }
-    }
-
-    fn piecewise_linear(reading: &Reading, table: &str) -> Result<Law> {
-        let key = join(table, "points");
-        let points = reading.points(&key, "[r, p(r)]")?;
-        let before = reading.finite(&join(table, "slope_before"))?;
-        let after = reading.finite(&join(table, "slope_after"))?;
-        let hint = "give at least one: points = [[0.0, 0.0]]";
-        reading.refuse_if(points.is_empty(), &key, "the law has no point", hint)?;
-        let law = Law::graph(points, before, after);
-        law.check_order(reading, table)?;
-        Ok(law)
-    }
-
-    fn check_order(&self, reading: &Reading, table: &str) -> Result<()> {
-        for (index, pair) in self.points.windows(2).enumerate() {
-            let key = format!("{table}.points.{}", index + 1);
-            admissible(reading, &key, pair[0], pair[1])?;
-        }
-        match self.points.windows(3).position(|three| three[0][0] == three[2][0]) {
-            None => Ok(()),
-            Some(index) => {
-                let message = format!("three points at r = {}", self.points[index][0]);
-                let hint = "a jump needs its lower and its upper end: remove the point between";
-                Err(reading.error(&format!("{table}.points.{}", index + 1), message, hint))
-            }
-        }
     }
 
     /// α_ν ≥ 0, the steepest descent of p (per unit of r): the constant of relaxed monotonicity (2.8c).
@@ -92,13 +102,17 @@ impl Law {
     pub fn alpha(&self) -> f64 {
         let graph = self.slopes().fold(0.0f64, |alpha, slope| alpha.max(-slope));
         let curve = self.curve.map_or(0.0, |curve| curve.alpha());
-        self.scale.map_or(1.0, |scale| scale.largest) * (graph + curve)
+        self.largest_scale() * (graph + curve)
     }
 
     /// The steepest rise of a law without a curve, including the largest factor (a stiffness).
     pub(crate) fn steepest_rise(&self) -> f64 {
-        let steepest = self.slopes().fold(0.0, f64::max);
-        self.scale.map_or(1.0, |scale| scale.largest) * steepest
+        self.largest_scale() * self.slopes().fold(0.0, f64::max)
+    }
+
+    /// The largest factor.
+    pub(crate) fn largest_scale(&self) -> f64 {
+        self.scale.map_or(1.0, |scale| scale.largest)
     }
 
     /// Of a law that pulls at open contact, p < 0 for r below its first point: the keys of the law that does not.
@@ -128,7 +142,17 @@ impl Law {
             points: self.points.clone(),
             slope_before: self.slope_before,
             slope_after: self.slope_after,
-            curve: self.curve.map(curve_numbers),
+            curve: self.curve.map(|curve| match curve {
+                Curve::Rational { stiffness: c, length } => {
+                    CurveNumbers::Rational { c, r0: length }
+                }
+                Curve::Exponential { stiffness: c, length } => {
+                    CurveNumbers::Exponential { c, r0: length }
+                }
+                Curve::Power { coefficient: c, exponent: m, until } => {
+                    CurveNumbers::Power { c, m, r1: until }
+                }
+            }),
         }
     }
 
@@ -166,47 +190,6 @@ fn admissible(
 /// Largest exponent integrated exactly between kinks: with a hat function and the 8 Gauss points of the exact rule, 14
 /// + 1 = 15.
 const EXACT_EXPONENT: f64 = 14.0;
-
-/// A curve: of kind `rational`, `exponential` or `power`.
-fn read_curve(reading: &Reading, table: &str, kind: &str) -> Result<Curve> {
-    let positive = |name: &str| reading.positive(&join(table, name));
-    match kind {
-        "power" => power(reading, table),
-        "rational" => {
-            Ok(Curve::Rational { stiffness: positive("stiffness")?, length: positive("length")? })
-        }
-        _ => Ok(Curve::Exponential {
-            stiffness: positive("stiffness")?,
-            length: positive("length")?,
-        }),
-    }
-}
-
-/// The numbers of a curve for the manufactured side.
-fn curve_numbers(curve: Curve) -> CurveNumbers {
-    match curve {
-        Curve::Rational { stiffness: c, length } => CurveNumbers::Rational { c, r0: length },
-        Curve::Exponential { stiffness: c, length } => CurveNumbers::Exponential { c, r0: length },
-        Curve::Power { coefficient: c, exponent: m, until } => {
-            CurveNumbers::Power { c, m, r1: until }
-        }
-    }
-}
-
-fn power(reading: &Reading, table: &str) -> Result<Curve> {
-    let positive = |name: &str| reading.positive(&join(table, name));
-    let coefficient = positive("coefficient")?;
-    let fits = |exponent: f64| exponent >= 1.0 && exponent.is_finite();
-    let fault = "is not at least 1: below it the slope of the law is infinite at r = 0";
-    let range = [fault, "give an exponent of at least 1"];
-    let exponent = reading.number(&join(table, "exponent"), fits, range)?;
-    let until = positive("until")?;
-    let slope = coefficient * exponent * until.powf(exponent - 1.0);
-    let message = format!("the slope of the law at r = {until} is {slope}");
-    let hint = "(2.8b) asks for linear growth: lower `until` or `exponent`";
-    reading.refuse_if(!slope.is_finite(), &join(table, "until"), message, hint)?;
-    Ok(Curve::Power { coefficient, exponent, until })
-}
 
 /// Whether Gauss points between kinks integrate p to rounding.
 pub(super) fn has_exact_rule(curve: Curve) -> bool {

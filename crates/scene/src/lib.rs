@@ -13,7 +13,7 @@ mod definitions;
 mod domain;
 mod friction;
 mod gap;
-pub mod keys;
+mod keys;
 mod law;
 mod material;
 mod memory;

@@ -90,10 +90,29 @@ impl Region {
     fn validate(reading: &mut Reading, index: usize, domain: &Domain) -> Result<Region> {
         let table = format!("material.region.{index}");
         let key = join(&table, "name");
-        let name: String = reading.required(&key)?;
-        let hint = "for instance: name = \"layer\"";
-        reading.refuse_if(name.trim().is_empty(), &key, "a region needs a name", hint)?;
-        let place = place(reading, &table, &name, domain)?;
+        let name = reading.text(&key)?;
+        let (condition, physical) = (join(&table, "where"), join(&table, "physical"));
+        let place = match (reading.has(&condition), reading.has(&physical), &domain.shape) {
+            (true, false, _) => {
+                let scope = Scope::new(&AXES[..domain.dimension()]);
+                Place::Where(reading.formula(&condition, &scope)?)
+            }
+            (false, true, Shape::Refined(coarse)) => {
+                let regions = coarse.regions.iter().map(String::as_str).zip(0..);
+                Place::Physical(reading.choice(&physical, &regions.collect::<Vec<_>>())?)
+            }
+            (false, true, Shape::Box) => {
+                let message = "physical groups are in mesh files, and the domain is none";
+                let hint = "write where = \"y - 0.5\", or shape = \"mesh\" with a file";
+                return Err(reading.error(&physical, message, hint));
+            }
+            (both, ..) => {
+                let count = if both { "two places" } else { "no place" };
+                let message = format!("the region `{name}` has {count}");
+                let hint = "give either where = \"y - 0.5\", positive inside, or physical = \"name\", a group of the mesh file";
+                return Err(reading.error(&table, message, hint));
+            }
+        };
         Ok(Region { name, place, elastic: elastic(reading, &table, domain.dimension())? })
     }
 }
@@ -150,8 +169,14 @@ fn from_young(reading: &Reading, key: &str) -> Result<FourthOrder> {
 /// with 𝒜_iiii, 𝒜_iijj and 𝒜_ijij along the axes, pairs in the order 12 in the plane and 23, 13, 12 in space.
 fn full(reading: &Reading, key: &str, dimension: usize) -> Result<FourthOrder> {
     let (matrix, place) = if reading.kind(key, &TENSORS)? == "full" {
-        let place = join(key, "mandel");
-        (mandel(reading, &place, dimension * (dimension + 1) / 2)?, place)
+        let (place, order) = (join(key, "mandel"), dimension * (dimension + 1) / 2);
+        let rows = reading.matrix(&place, order)?;
+        reading.symmetric(&place, &rows)?;
+        let mut matrix = [[0.0; 6]; 6];
+        for (of_matrix, row) in matrix.iter_mut().zip(&rows) {
+            of_matrix[..order].copy_from_slice(row);
+        }
+        (matrix, place)
     } else {
         (orthotropic(reading, key, dimension)?, key.to_string())
     };
@@ -167,23 +192,9 @@ fn full(reading: &Reading, key: &str, dimension: usize) -> Result<FourthOrder> {
     reading.refuse_if(!positive, &place, message, hint).map(|()| tensor)
 }
 
-fn mandel(reading: &Reading, place: &str, order: usize) -> Result<[[f64; 6]; 6]> {
-    let hint = format!(
-        "a full elasticity tensor is a {order} by {order} matrix here, in Mandel notation: xx, yy, sqrt(2) xy in the plane; xx, yy, zz, sqrt(2) yz, sqrt(2) xz, sqrt(2) xy in space"
-    );
-    let rows = reading.matrix(place, order, &hint)?;
-    reading.symmetric(place, &rows)?;
-    let mut matrix = [[0.0; 6]; 6];
-    for (of_matrix, row) in matrix.iter_mut().zip(&rows) {
-        of_matrix[..order].copy_from_slice(row);
-    }
-    Ok(matrix)
-}
-
 fn orthotropic(reading: &Reading, key: &str, d: usize) -> Result<[[f64; 6]; 6]> {
     let pairs: &[(usize, usize)] = if d == 2 { &[(0, 1)] } else { &[(1, 2), (0, 2), (0, 1)] };
-    let hint = "normal = [A_xxxx, A_yyyy], coupling = [A_xxyy], shear = [A_xyxy] in the plane; three each, pairs in the order yz, xz, xy, in space";
-    let list = |name: &str, count: usize| reading.numbers(&join(key, name), count, hint);
+    let list = |name: &str, count: usize| reading.numbers(&join(key, name), count);
     let normal = list("normal", d)?;
     let coupling = list("coupling", pairs.len())?;
     let shear = list("shear", pairs.len())?;
@@ -208,38 +219,6 @@ pub enum Place {
     Where(Node),
     /// Cells of a region of the mesh, an index into `Mesh::regions`.
     Physical(u32),
-}
-
-/// The place of the region `name` at a key.
-pub(super) fn place(
-    reading: &mut Reading,
-    key: &str,
-    name: &str,
-    domain: &Domain,
-) -> Result<Place> {
-    let (condition, physical) = (join(key, "where"), join(key, "physical"));
-    match (reading.has(&condition), reading.has(&physical)) {
-        (true, false) => {
-            let scope = Scope::new(&AXES[..domain.dimension()]);
-            reading.formula(&condition, &scope).map(Place::Where)
-        }
-        (false, true) => {
-            let Shape::Refined(coarse) = &domain.shape else {
-                let message = "physical groups are in mesh files, and the domain is none";
-                let hint = "write where = \"y - 0.5\", or shape = \"mesh\" with a file";
-                return Err(reading.error(&physical, message, hint));
-            };
-            let known: Vec<(&str, u32)> =
-                coarse.regions.iter().map(String::as_str).zip(0..).collect();
-            reading.choice(&physical, &known).map(Place::Physical)
-        }
-        (both, _) => {
-            let count = if both { "two places" } else { "no place" };
-            let message = format!("the region `{name}` has {count}");
-            let hint = "give either where = \"y - 0.5\", positive inside, or physical = \"name\", a group of the mesh file";
-            Err(reading.error(key, message, hint))
-        }
-    }
 }
 
 /// Barycentric coordinates down to this count as inside: boundary points of the body belong to it.
@@ -314,23 +293,19 @@ impl Projection {
         let fits = |mu: f64| mu >= 0.0 && mu.is_finite();
         let mu = reading.number("material.projection.mu", fits, [fault, hint])?;
         let kappa = reading.formula(key, &Scope::new(&[Variable::Zeta]))?;
-        yield_bound(reading, key, kappa, horizon)?;
+        let over = Interval::new(0.0, LARGEST_MEAN_STRAIN * horizon);
+        let must = "a yield bound must be finite and not negative";
+        let hint = "give a formula with values >= 0 for all zeta >= 0, such as max(0, 0.2 - zeta)";
+        let negative = reading.formulas.largest_negative(kappa, Variable::Zeta, over);
+        let message =
+            format!("kappa = {:.6} at zeta = {}: {must}", -negative.attained, negative.at[0]);
+        reading.refuse_if(negative.attained > 0.0, key, message, hint)?;
+        let size = reading.formulas.largest_modulus(kappa, Variable::Zeta, over);
+        let message = format!("kappa has no finite value near zeta = {}: {must}", size.part[0].low);
+        reading.refuse_if(!size.bound.is_finite(), key, message, hint)?;
         let lipschitz = lipschitz(reading, key, kappa, horizon)?;
         Ok(Projection { mu, kappa, lipschitz })
     }
-}
-
-/// κ finite and nonnegative.
-fn yield_bound(reading: &Reading, key: &str, kappa: Node, horizon: f64) -> Result<()> {
-    let over = Interval::new(0.0, LARGEST_MEAN_STRAIN * horizon);
-    let must = "a yield bound must be finite and not negative";
-    let hint = "give a formula with values >= 0 for all zeta >= 0, such as max(0, 0.2 - zeta)";
-    let negative = reading.formulas.largest_negative(kappa, Variable::Zeta, over);
-    let message = format!("kappa = {:.6} at zeta = {}: {must}", -negative.attained, negative.at[0]);
-    reading.refuse_if(negative.attained > 0.0, key, message, hint)?;
-    let size = reading.formulas.largest_modulus(kappa, Variable::Zeta, over);
-    let message = format!("kappa has no finite value near zeta = {}: {must}", size.part[0].low);
-    reading.refuse_if(!size.bound.is_finite(), key, message, hint)
 }
 
 /// The bound of |κ'| for all ζ ≥ 0; refuses a κ without one on [0, 100 T], or with a jump.

@@ -58,86 +58,98 @@ pub(super) fn parts(
     if !reading.has(key) {
         return Ok(None);
     }
-    let power = (singular_exponent(reading, key)?, region);
-    if reading.has(&join(key, "terms")) {
-        return listed(reading, key, horizon).map(Some);
-    }
+    let power = singular_exponent(reading, key)?;
     let has = |name: &str| reading.has(&join(key, name));
     let apart = has("bulk") || has("shear");
-    match (has("kernel"), has("lambda") || has("mu")) {
-        (true, _) if !apart => {
-            let lambda = reading.finite(&join(key, "lambda"))?;
-            let mu = reading.finite(&join(key, "mu"))?;
-            let kernel = validated(reading, &join(key, "kernel"), horizon)?;
-            Ok(Some(vec![Part::new(reading, kernel, power, [lambda, mu])]))
+    let mut parts: Vec<Part> = match (has("terms"), has("kernel"), has("lambda") || has("mu")) {
+        (true, ..) => {
+            let others = ["kernel", "lambda", "mu", "bulk", "shear", "singular"];
+            if let Some(other) = others.iter().find(|other| has(other)) {
+                let message = format!("`{other}` beside `terms`: each term has its own");
+                let hint = "write it into the tables of terms, or remove terms";
+                return Err(reading.key_error(&join(key, other), message, hint));
+            }
+            let key = join(key, "terms");
+            let terms = reading.some_entries(&key)?.map(|i| join(&key, &i.to_string()));
+            terms.map(|term| Part::read(reading, &term, horizon)).collect::<Result<_>>()?
         }
-        (false, false) if apart => {
+        (_, true, _) if !apart => vec![Part::read(reading, key, horizon)?],
+        (_, false, false) if apart => {
             // bulk tr(ε) I, and 2 shear ε^D with ε^D = ε - tr(ε)/d I.
-            let tensors =
-                [("bulk", [1.0, 0.0]), ("shear", [-2.0 / dimension as f64, 1.0])].into_iter();
+            let tensors = [("bulk", [1.0, 0.0]), ("shear", [-2.0 / dimension as f64, 1.0])];
             let mut parts = Vec::new();
             for (name, tensor) in tensors {
                 let kernel = reading
                     .if_given(&join(key, name), |reading, key| validated(reading, key, horizon))?;
-                parts.extend(kernel.map(|kernel| Part::new(reading, kernel, power, tensor)));
+                let part = |kernel| Part { kernel, singular: None, inner: None, tensor };
+                parts.extend(kernel.map(part));
             }
-            Ok(Some(parts))
+            parts
         }
         _ => {
             let message = format!(
                 "[{key}] needs one kernel with its tensor, or the kernels of bulk and shear"
             );
             let hint = "give kernel, lambda and mu for kernel(t)(2 mu eps + lambda tr(eps) I), or terms, a list of such tables, or bulk and shear for bulk(t) tr(eps) I + 2 shear(t) dev(eps)";
-            Err(reading.error(key, message, hint))
+            return Err(reading.error(key, message, hint));
         }
+    };
+    for part in parts.iter_mut().filter(|_| power > 0.0) {
+        let factor = part.kernel;
+        let (factors, powers) = ([("factor", factor)], [("power", power)]);
+        part.kernel = reading.formulas.written("t^(-power)*factor", &factors, &powers);
+        part.singular = Some(SingularParts { power, factor, region });
     }
-}
-
-/// The parts of `terms`: kernels with their tensors, some before a history of their own.
-fn listed(reading: &mut Reading, key: &str, horizon: f64) -> Result<Vec<Part>> {
-    let of_list = join(key, "terms");
-    let others = ["kernel", "lambda", "mu", "bulk", "shear", "singular"];
-    if let Some(other) = others.iter().find(|other| reading.has(&join(key, other))) {
-        let message = format!("`{other}` beside `terms`: each term has its own");
-        let hint = "write it into the tables of terms, or remove terms";
-        return Err(reading.key_error(&join(key, other), message, hint));
-    }
-    let entries = reading.entries(&of_list)?;
-    let hint = "for instance: terms = [{ kernel = \"1\", lambda = 0.5, mu = 0.5 }]";
-    reading.refuse_if(entries.is_empty(), &of_list, "a memory without terms", hint)?;
-    let mut parts = Vec::new();
-    for index in entries {
-        let of = |name: &str| format!("{of_list}.{index}.{name}");
-        let lambda = reading.finite(&of("lambda"))?;
-        let mu = reading.finite(&of("mu"))?;
-        let kernel = validated(reading, &of("kernel"), horizon)?;
-        let inner =
-            reading.if_given(&of("inner"), |reading, key| validated(reading, key, horizon))?;
-        parts.push(Part { kernel, singular: None, inner, tensor: [lambda, mu] });
-    }
-    Ok(parts)
+    Ok(Some(parts))
 }
 
 impl Part {
-    fn new(
-        reading: &mut Reading,
-        factor: Node,
-        (power, region): (f64, Option<usize>),
-        tensor: [f64; 2],
-    ) -> Self {
-        if power == 0.0 {
-            return Self { kernel: factor, singular: None, inner: None, tensor };
-        }
-        let graph = &mut reading.formulas;
-        let kernel = graph.written("t^(-power)*factor", &[("factor", factor)], &[("power", power)]);
-        let singular = Some(SingularParts { power, factor, region });
-        Self { kernel, singular, inner: None, tensor }
+    /// A kernel with its tensor, perhaps before a history of its own.
+    fn read(reading: &mut Reading, table: &str, horizon: f64) -> Result<Self> {
+        let of = |name: &str| join(table, name);
+        let tensor = [reading.finite(&of("lambda"))?, reading.finite(&of("mu"))?];
+        let kernel = validated(reading, &of("kernel"), horizon)?;
+        let inner =
+            reading.if_given(&of("inner"), |reading, key| validated(reading, key, horizon))?;
+        Ok(Self { kernel, singular: None, inner, tensor })
     }
 }
 
-/// A kernel, or the factor of one, with a proved bound on [0, T].
+/// Memory kernels by name, a table in place of a formula in t.
+///
+/// `{ kind = "exponential", amplitude = a, time = τ }`: a exp(-t/τ); `{ kind = "prony", terms = [[a_1, τ_1], …] }`: Σ
+/// a_i exp(-t/τ_i); `{ kind = "power", amplitude = a, time = τ, exponent = p }`: a (1 + t/τ)^{-p}, which is smooth on
+/// [0, T].
+const KERNELS: [(&str, &str); 3] =
+    [("exponential", "amplitude time"), ("prony", "terms"), ("power", "amplitude time exponent")];
+
+/// A kernel, or the factor of one, by its formula or by a table, with a proved bound on [0, T].
 fn validated(reading: &mut Reading, key: &str, horizon: f64) -> Result<Node> {
-    let formula = formula_of(reading, key)?;
+    let of = |name: &str| join(key, name);
+    let number = |name: &str| reading.finite(&of(name));
+    // The literal rate, so that the formula is recognised as this exponential.
+    let decay = |amplitude: f64, time: f64| format!("({amplitude:?})*exp(-({:?})*t)", 1.0 / time);
+    let kind = if reading.has_parts(key) { reading.kind(key, &KERNELS)? } else { "" };
+    let formula = match kind {
+        "" => reading.required(key)?,
+        "exponential" => Formula(decay(number("amplitude")?, reading.positive(&of("time"))?)),
+        "power" => {
+            let (amplitude, time) = (number("amplitude")?, reading.positive(&of("time"))?);
+            let exponent = number("exponent")?;
+            Formula(format!("({amplitude:?})*(1 + t/({time:?}))^(-({exponent:?}))"))
+        }
+        _ => {
+            let term = |index| {
+                let at = join(&of("terms"), &usize::to_string(&index));
+                reading.entries_of(&at, 2)?;
+                let amplitude = reading.finite(&join(&at, "0"))?;
+                Ok(decay(amplitude, reading.positive(&join(&at, "1"))?))
+            };
+            let terms: Result<Vec<String>> =
+                reading.some_entries(&of("terms"))?.map(term).collect();
+            Formula(terms?.join(" + "))
+        }
+    };
     let kernel = reading.compiled(key, &formula, &Scope::new(&[Variable::T]))?;
     let start = [EvaluationPoint::default()];
     reading.everywhere((key, kernel), start, f64::is_finite, |_, value| {
@@ -185,50 +197,6 @@ pub(super) fn terms(
     terms
 }
 
-// Memory kernels by name: a table in place of a formula in t.
-
-/// `{ kind = "exponential", amplitude = a, time = τ }`: a exp(-t/τ); `{ kind = "prony", terms = [[a_1, τ_1], …] }`: Σ
-/// a_i exp(-t/τ_i); `{ kind = "power", amplitude = a, time = τ, exponent = p }`: a (1 + t/τ)^{-p}, which is smooth on
-/// [0, T].
-const KERNELS: [(&str, &str); 3] =
-    [("exponential", "amplitude time"), ("prony", "terms"), ("power", "amplitude time exponent")];
-
-/// The formula of a kernel, given directly or by a table.
-pub(super) fn formula_of(reading: &Reading, key: &str) -> Result<Formula> {
-    if !reading.has_parts(key) {
-        return reading.required(key);
-    }
-    let kind = reading.kind(key, &KERNELS)?;
-    if kind == "prony" {
-        return prony(reading, &join(key, "terms"));
-    }
-    let amplitude = reading.finite(&join(key, "amplitude"))?;
-    let time = reading.positive(&join(key, "time"))?;
-    if kind == "exponential" {
-        return Ok(Formula(decay(amplitude, time)));
-    }
-    let exponent = reading.finite(&join(key, "exponent"))?;
-    Ok(Formula(format!("({amplitude:?})*(1 + t/({time:?}))^(-({exponent:?}))")))
-}
-
-fn decay(amplitude: f64, time: f64) -> String {
-    // The literal rate, so that the formula is recognised as this exponential.
-    format!("({amplitude:?})*exp(-({:?})*t)", 1.0 / time)
-}
-
-fn prony(reading: &Reading, key: &str) -> Result<Formula> {
-    let terms = reading.entries(key)?;
-    let hint = "for instance: terms = [[-0.5, 0.2], [-0.3, 2.0]]";
-    reading.refuse_if(terms.is_empty(), key, "a Prony series without terms", hint)?;
-    let term = |index| {
-        let at = format!("{key}.{index}");
-        reading.entries_of(&at, 2, "a term is a pair [amplitude, time], as in [-0.5, 0.2]")?;
-        let amplitude = reading.finite(&format!("{at}.0"))?;
-        Ok(decay(amplitude, reading.positive(&format!("{at}.1"))?))
-    };
-    Ok(Formula(terms.map(term).collect::<Result<Vec<_>, _>>()?.join(" + ")))
-}
-
 // `singular`: the exponent of kernels that are infinite at s = t.
 
 /// The way out for a kernel that is infinite at lag zero, by the key of its formula.
@@ -245,8 +213,7 @@ pub(super) fn singular_way_out(formula: &str) -> String {
 pub(super) fn singular_exponent(reading: &Reading, table: &str) -> Result<f64> {
     let key = join(table, "singular");
     let hint = "the kernel is t^(-singular) times its formula; from 1 on it has no integral, and without the key it is the formula";
-    let given = reading.has(&key).then(|| reading.share(&key, hint)).transpose()?;
-    Ok(given.unwrap_or(0.0))
+    if reading.has(&key) { reading.share(&key, hint) } else { Ok(0.0) }
 }
 
 /// The distinct exponents p of kernels t^{-p} b, with the factor T^{a-p} that bounds each by one with the largest, a,
@@ -262,34 +229,24 @@ pub(crate) fn in_the_largest(
     powers.into_iter().map(|power| (power, horizon.powf(most - power))).collect()
 }
 
-/// Refuses rules that evaluate a kernel at s = t where it is infinite; `key` is that of the exponent.
+/// Refuses rules that do not serve a memory; the keys are those of an exponent and of an inner kernel, if there are any.
 ///
 /// # Errors
-/// Any rule but product integration.
-pub(super) fn needs_product_integration(
+/// A rule that evaluates kernels at s = t, where one is infinite; one whose repeated sums have no bound.
+pub(super) fn has_a_rule(
     reading: &Reading,
     time: &Time,
-    singular: Option<String>,
+    [singular, nested]: [Option<String>; 2],
 ) -> Result<()> {
-    let Some(key) = singular else { return Ok(()) };
     let message =
         "a kernel with `singular` is infinite at s = t, where this time rule takes its value";
     let hint = "add to [time]: rule = \"product-integration\", which integrates the power";
-    reading.refuse_if(time.rule != TimeRule::ProductIntegration, &key, message, hint)
-}
-
-/// Refuses rules whose repeated sums have no bound; `key` is that of an inner kernel.
-///
-/// # Errors
-/// Any rule but the trapezoidal one and those of endpoints.
-pub(super) fn needs_repeated_rule(
-    reading: &Reading,
-    time: &Time,
-    nested: Option<String>,
-) -> Result<()> {
-    let Some(key) = nested else { return Ok(()) };
-    let message =
-        format!("no bounds are known of a history of a history by this rule: {}", time.rule.name());
+    let odd = time.rule != TimeRule::ProductIntegration;
+    singular.map_or(Ok(()), |key| reading.refuse_if(odd, &key, message, hint))?;
+    let message = format!(
+        "no bounds are known of a history of a history by this rule: {}",
+        time.rule.in_words()
+    );
     let hint = "take rule = \"trapezoid\", \"left\" or \"right\" under [time]";
-    reading.refuse_if(!time.rule.repeats(), &key, message, hint)
+    nested.map_or(Ok(()), |key| reading.refuse_if(!time.rule.repeats(), &key, message, hint))
 }

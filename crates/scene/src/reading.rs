@@ -8,7 +8,7 @@ use formula::{EvaluationPoint, Graph, Node, Scope, Variable};
 use serde::Deserialize;
 use serde::de::{DeserializeOwned, IgnoredAny};
 use std::collections::BTreeMap;
-use std::ops::Range;
+use std::ops::{Range, RangeInclusive};
 use strsim::osa_distance;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue, ValueDeserializer};
@@ -22,24 +22,9 @@ pub(super) struct Reading<'a> {
     pub parameters: Vec<(String, Node)>,
 }
 
-impl<'a> Reading<'a> {
-    pub(crate) fn new(source: &'a Source, table: &'a DeTable<'a>) -> Reading<'a> {
-        Reading {
-            source,
-            table,
-            violates: Vec::new(),
-            formulas: Graph::new(),
-            parameters: Vec::new(),
-        }
-    }
-
+impl Reading<'_> {
     /// An error that underlines the value at `key`, or the part that should contain it.
-    pub(crate) fn error(
-        &self,
-        key: &str,
-        message: impl Into<String>,
-        hint: impl Into<String>,
-    ) -> SceneError {
+    pub fn error(&self, key: &str, message: impl ToString, hint: impl ToString) -> SceneError {
         SceneError::at(self.source, placed(self.table, key).value, message, hint)
     }
 
@@ -49,39 +34,31 @@ impl<'a> Reading<'a> {
         fault: bool,
         key: &str,
         message: impl ToString,
-        hint: impl Into<String>,
+        hint: impl ToString,
     ) -> Result<()> {
-        if fault { Err(self.error(key, message.to_string(), hint)) } else { Ok(()) }
+        if fault { Err(self.error(key, message, hint)) } else { Ok(()) }
     }
 
     /// An error that underlines the key itself.
-    pub(crate) fn key_error(
-        &self,
-        key: &str,
-        message: impl Into<String>,
-        hint: impl Into<String>,
-    ) -> SceneError {
+    pub fn key_error(&self, key: &str, message: impl ToString, hint: impl ToString) -> SceneError {
         SceneError::at(self.source, placed(self.table, key).key, message, hint)
     }
 
     /// An error of something that is missing in the file.
-    pub(crate) fn error_at_the_end(
-        &self,
-        message: impl Into<String>,
-        hint: impl Into<String>,
-    ) -> SceneError {
+    pub fn error_at_the_end(&self, message: impl ToString, hint: impl ToString) -> SceneError {
         let end = self.source.text.trim_end().len();
         SceneError::at(self.source, end..end, message, hint)
     }
 
     /// The number at a key.
     pub(crate) fn finite(&self, key: &str) -> Result<f64> {
-        self.finite_number(key, self.required(key)?)
+        self.number(key, f64::is_finite, ["is not finite", "give a finite number"])
     }
 
     /// The number at a key, above 0.
     pub(crate) fn positive(&self, key: &str) -> Result<f64> {
-        self.positive_number(key, self.required(key)?)
+        self.finite(key)?;
+        self.number(key, |value| value > 0.0, ["is not positive", "give a number above 0"])
     }
 
     /// The number at a key, if it fits; `fault` says what is wrong with another one.
@@ -91,7 +68,9 @@ impl<'a> Reading<'a> {
         fits: impl Fn(f64) -> bool,
         [fault, hint]: [&str; 2],
     ) -> Result<f64> {
-        self.fitting(key, self.required(key)?, fits, [fault, hint])
+        let value = self.required(key)?;
+        let message = format!("`{}` = {value} {fault}", last(key));
+        self.refuse_if(!fits(value), key, message, hint).map(|()| value)
     }
 
     /// The number at a key, between 0 and 1.
@@ -99,41 +78,33 @@ impl<'a> Reading<'a> {
         self.number(key, |share| share > 0.0 && share < 1.0, ["is not between 0 and 1", hint])
     }
 
-    pub(crate) fn finite_number(&self, key: &str, value: f64) -> Result<f64> {
-        self.fitting(key, value, f64::is_finite, ["is not finite", "give a finite number"])
-    }
-
-    pub(crate) fn positive_number(&self, key: &str, value: f64) -> Result<f64> {
-        let value = self.finite_number(key, value)?;
-        self.fitting(key, value, |value| value > 0.0, ["is not positive", "give a number above 0"])
-    }
-
-    fn fitting(
+    /// The whole number at a key, if it is in a range; `fault` says what is wrong with another one.
+    pub(crate) fn whole<T: TryFrom<i64>>(
         &self,
         key: &str,
-        value: f64,
-        fits: impl Fn(f64) -> bool,
-        [fault, hint]: [&str; 2],
-    ) -> Result<f64> {
-        let message = format!("`{}` = {value} {fault}", last(key));
-        self.refuse_if(!fits(value), key, message, hint).map(|()| value)
+        range: RangeInclusive<i64>,
+        fault: &str,
+    ) -> Result<T> {
+        let value: i64 = self.required(key)?;
+        let fitting = T::try_from(value).ok().filter(|_| range.contains(&value));
+        fitting.ok_or_else(|| self.error(key, format!("{value} {fault}"), example(key)))
     }
 
     /// A whole number from 1 to 2³¹ - 1.
     pub(crate) fn count(&self, key: &str) -> Result<u32> {
-        let value: i64 = self.required(key)?;
-        let count = i32::try_from(value).ok().filter(|&count| count >= 1);
-        count.map(i32::unsigned_abs).ok_or_else(|| {
-            let message = format!("{value} is not a whole number from 1 to 2147483647");
-            self.error(key, message, "give a positive whole number")
-        })
+        let fault = "is not a whole number from 1 to 2147483647";
+        self.whole(key, 1..=i64::from(i32::MAX), fault)
     }
 
     pub(crate) fn seed(&self, key: &str) -> Result<u64> {
-        let value: i64 = self.required(key)?;
-        let negative = format!("the seed {value} is negative");
-        let hint = "give a whole number, 0 or above";
-        u64::try_from(value).map_err(|_| self.error(key, negative, hint))
+        self.whole(key, 0..=i64::MAX, "is negative, and a seed is a whole number from 0 on")
+    }
+
+    /// The text at a key, which says something.
+    pub(crate) fn text(&self, key: &str) -> Result<String> {
+        let text: String = self.required(key)?;
+        let message = format!("`{}` is empty", last(key));
+        self.refuse_if(text.trim().is_empty(), key, message, example(key)).map(|()| text)
     }
 
     /// An increasing pair of counts, if it is there: the window of an order.
@@ -150,11 +121,9 @@ impl<'a> Reading<'a> {
         }
     }
 
-    /// Points of a graph; `form` names their two numbers.
-    pub(crate) fn points(&self, key: &str, form: &str) -> Result<Vec<[f64; 2]>> {
-        let count = self.required::<Vec<IgnoredAny>>(key)?.len();
-        let hint = format!("a point is two finite numbers: {form}");
-        (0..count).map(|index| self.pair(&format!("{key}.{index}"), &hint)).collect()
+    /// The points of a graph or a polygon, one at least.
+    pub(crate) fn points(&self, key: &str) -> Result<Vec<[f64; 2]>> {
+        self.some_entries(key)?.map(|index| self.pair(&format!("{key}.{index}"))).collect()
     }
 
     /// The given variables and the parameters of the scene.
@@ -224,21 +193,18 @@ impl<'a> Reading<'a> {
     }
 
     /// Refuses a formula whose value at one of the points does not fit, with the message and the hint for the first.
-    pub(crate) fn everywhere<H: Into<String>>(
+    pub(crate) fn everywhere<H: ToString>(
         &self,
         (key, node): (&str, Node),
         points: impl IntoIterator<Item = EvaluationPoint>,
         fits: impl Fn(f64) -> bool,
         refusal: impl Fn(&EvaluationPoint, f64) -> (String, H),
     ) -> Result<()> {
-        let values = points.into_iter().map(|at| (at, self.formulas.evaluate(node, &at)));
-        match values.into_iter().find(|(_, value)| !fits(*value)) {
-            None => Ok(()),
-            Some((at, value)) => {
-                let (message, hint) = refusal(&at, value);
-                Err(self.error(key, message, hint))
-            }
-        }
+        let mut values = points.into_iter().map(|at| (at, self.formulas.evaluate(node, &at)));
+        let odd = values.find(|(_, value)| !fits(*value));
+        let Some((at, value)) = odd else { return Ok(()) };
+        let (message, hint) = refusal(&at, value);
+        Err(self.error(key, message, hint))
     }
 
     /// Bytes of a part of a string value; the whole value if it contains escapes.
@@ -305,14 +271,9 @@ impl Reading<'_> {
         if let Some((_, value)) = known.iter().find(|(name, _)| *name == word) {
             return Ok(*value);
         }
-        let names = || known.iter().map(|(name, _)| *name);
-        let list = names().collect::<Vec<_>>().join(", ");
-        let hint = match nearest(word, names()) {
-            Some(meant) => format!("did you mean `{meant}`? known: {list}"),
-            None => format!("known: {list}"),
-        };
-        let subject = last(key);
-        Err(self.error(key, format!("unknown value `{word}` of `{subject}`"), hint))
+        let names: Vec<&str> = known.iter().map(|(name, _)| *name).collect();
+        let message = format!("unknown value `{word}` of `{}`", last(key));
+        Err(self.error(key, message, suggestion(word, "known", &names)))
     }
 }
 
@@ -361,28 +322,35 @@ impl Reading<'_> {
         Ok(0..list.len())
     }
 
+    /// The numbers of the entries of a list that must have some.
+    pub(super) fn some_entries(&self, key: &str) -> Result<Range<usize>> {
+        let count = self.required::<Vec<IgnoredAny>>(key)?.len();
+        let message = format!("the list `{}` is empty", last(key));
+        self.refuse_if(count == 0, key, message, example(key)).map(|()| 0..count)
+    }
+
     /// The numbers of the entries of a list that must have so many.
-    pub(super) fn entries_of(&self, key: &str, count: usize, hint: &str) -> Result<Range<usize>> {
+    pub(super) fn entries_of(&self, key: &str, count: usize) -> Result<Range<usize>> {
         let found = self.required::<Vec<IgnoredAny>>(key)?.len();
-        let message = format!("`{}` has {found} entries, but {count} are expected", last(key));
-        self.refuse_if(found != count, key, message, hint).map(|()| 0..count)
+        let message = format!("{found} entries, but {count} are expected");
+        self.refuse_if(found != count, key, message, example(key)).map(|()| 0..count)
     }
 
     /// So many finite numbers.
-    pub(super) fn numbers(&self, key: &str, count: usize, hint: &str) -> Result<Vec<f64>> {
-        self.entries_of(key, count, hint)?.map(|i| self.finite(&format!("{key}.{i}"))).collect()
+    pub(super) fn numbers(&self, key: &str, count: usize) -> Result<Vec<f64>> {
+        self.entries_of(key, count)?.map(|i| self.finite(&format!("{key}.{i}"))).collect()
     }
 
     /// Two finite numbers.
-    pub(super) fn pair(&self, key: &str, hint: &str) -> Result<[f64; 2]> {
-        let numbers = self.numbers(key, 2, hint)?;
+    pub(super) fn pair(&self, key: &str) -> Result<[f64; 2]> {
+        let numbers = self.numbers(key, 2)?;
         Ok([numbers[0], numbers[1]])
     }
 
     /// A square matrix, row by row.
-    pub(super) fn matrix(&self, key: &str, order: usize, hint: &str) -> Result<Vec<Vec<f64>>> {
-        let row = |i| self.numbers(&format!("{key}.{i}"), order, hint);
-        self.entries_of(key, order, hint)?.map(row).collect()
+    pub(super) fn matrix(&self, key: &str, order: usize) -> Result<Vec<Vec<f64>>> {
+        let row = |i| self.numbers(&format!("{key}.{i}"), order);
+        self.entries_of(key, order)?.map(row).collect()
     }
 
     /// Refuses a matrix that is not symmetric.
@@ -405,10 +373,13 @@ impl Reading<'_> {
             "" => self.table.keys().map(|key| (key.to_string(), IgnoredAny)).collect(),
             _ => self.optional(table)?.unwrap_or_default(),
         };
-        match given.keys().find(|key| !known.contains(&key.as_str())) {
-            Some(key) => Err(unknown_key(self, table, key, &known.join(", "))),
-            None => Ok(()),
-        }
+        let unknown = given.keys().find(|key| !known.contains(&key.as_str()));
+        let Some(key) = unknown else { return Ok(()) };
+        let message = match table {
+            "" => format!("unknown part [{key}]"),
+            _ => format!("unknown key `{key}` in {}", heading(table)),
+        };
+        Err(self.key_error(&join(table, key), message, suggestion(key, "known here", known)))
     }
 
     /// The kind of a table, one of those known. Each comes with its keys, separated by spaces; keys of other kinds are
@@ -536,29 +507,14 @@ pub(super) fn syntax(source: &Source, error: &toml::de::Error) -> SceneError {
     SceneError::at(source, span, message, hint)
 }
 
-/// A key that its table does not have; `table` is empty for a part of the file.
-pub(super) fn unknown_key(reading: &Reading, table: &str, key: &str, known: &str) -> SceneError {
-    let message = match table {
-        "" => format!("unknown part [{key}]"),
-        _ => format!("unknown key `{key}` in {}", heading(table)),
-    };
-    let hint = match nearest(key, known.split(", ")) {
-        Some(meant) => format!("did you mean `{meant}`? known here: {known}"),
-        None => format!("known here: {known}"),
-    };
-    reading.key_error(&join(table, key), message, hint)
-}
-
 /// A key that must be there.
 pub(super) fn missing_key(reading: &Reading, key: &str) -> SceneError {
     let part = key.split('.').next().unwrap_or(key);
     if !reading.has(part) {
         let message = format!("the part [{part}] is missing");
-        return reading.error_at_the_end(message, example(part).unwrap_or("add it"));
+        return reading.error_at_the_end(message, example(part));
     }
     let (table, name) = key.rsplit_once('.').unwrap_or(("", key));
-    let hint = example(key)
-        .map_or_else(|| format!("add `{name} = …`"), |line| format!("for instance: {line}"));
     // `scene.kind` decides which parts a file has, not which keys [scene] has.
     let words = [join(table, "kind"), join(table, "shape"), table.to_string()];
     let mut words = words.iter().filter(|word| *word != "scene.kind");
@@ -570,7 +526,7 @@ pub(super) fn missing_key(reading: &Reading, key: &str) -> SceneError {
         Some((_, kind)) => format!("kind `{kind}` needs the key `{name}`"),
         None => format!("{} lacks the key `{name}`", heading(table)),
     };
-    reading.error(table, message, hint)
+    reading.error(table, message, example(key))
 }
 
 /// A value of another type than that of its key.
@@ -580,11 +536,7 @@ fn wrong_type(reading: &Reading, key: &str, error: &toml::de::Error) -> SceneErr
     let entries = (0..).map(|i| format!("{key}.{i}")).take_while(|name| reading.has(name));
     let mut names = std::iter::once(key.to_owned()).chain(entries);
     let name = names.find(|name| placed(reading.table, name).value == span);
-    let name = name.as_deref();
-    let hint = name.and_then(example).map_or_else(
-        || "numbers stand bare, formulas and names in quotes".to_string(),
-        |line| format!("for instance: {line}"),
-    );
+    let hint = example(name.as_deref().unwrap_or(key));
     let message = match message
         .strip_prefix("invalid type: ")
         .and_then(|text| text.split_once(", expected "))
@@ -615,6 +567,13 @@ pub(super) fn heading(part: &str) -> String {
 }
 
 // Suggestions for misspelt names.
+
+/// The way out of an unknown word.
+fn suggestion(word: &str, list: &str, known: &[&str]) -> String {
+    let meant = nearest(word, known.iter().copied());
+    let meant = meant.map_or_else(String::new, |meant| format!("did you mean `{meant}`? "));
+    format!("{meant}{list}: {}", known.join(", "))
+}
 
 /// The nearest candidate, if near enough.
 pub fn nearest<'a>(name: &str, candidates: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {

@@ -51,28 +51,19 @@ impl Source {
     /// # Errors
     /// The file is missing or unreadable, too large, or not UTF-8 (the first wrong byte is named).
     pub(crate) fn read(path: &Path) -> Result<Source> {
-        let bytes = read_file_up_to(path, LARGEST_FILE).map_err(unread)?;
-        match String::from_utf8(bytes) {
-            Ok(text) => Ok(Source::from_text(path, text)),
-            Err(error) => Err(not_utf8(path, &error)),
-        }
+        let read = read_file_up_to(path, LARGEST_FILE);
+        let bytes = read.map_err(|FileError { path, source }| match source.kind() {
+            ErrorKind::FileTooLarge => SceneError::TooLarge { path },
+            _ => SceneError::Unreadable { path, reason: source.to_string() },
+        })?;
+        let text = String::from_utf8(bytes).map_err(|error| {
+            let (bytes, at) = (error.as_bytes(), error.utf8_error().valid_up_to());
+            let message = format!("byte 0x{:02x} is not UTF-8", bytes[at]);
+            let readable = Source::from_text(path, String::from_utf8_lossy(bytes));
+            SceneError::at(&readable, at..at + 1, message, "save the file as UTF-8 text")
+        })?;
+        Ok(Source::from_text(path, text))
     }
-}
-
-fn unread(FileError { path, source }: FileError) -> SceneError {
-    match source.kind() {
-        ErrorKind::FileTooLarge => SceneError::TooLarge { path },
-        _ => SceneError::Unreadable { path, reason: source.to_string() },
-    }
-}
-
-fn not_utf8(path: &Path, error: &std::string::FromUtf8Error) -> SceneError {
-    let bytes = error.as_bytes();
-    let valid = &bytes[..error.utf8_error().valid_up_to()];
-    let line = 1 + valid.iter().filter(|&&byte| byte == b'\n').count();
-    let line_start = valid.iter().rposition(|&byte| byte == b'\n').map_or(0, |newline| newline + 1);
-    let column = 1 + String::from_utf8_lossy(&valid[line_start..]).chars().count();
-    SceneError::NotUtf8 { path: path.to_path_buf(), line, column, byte: bytes[valid.len()] }
 }
 
 fn hash(texts: &[&str]) -> String {
@@ -99,8 +90,6 @@ pub enum SceneError {
     Empty { path: PathBuf },
     #[error("{} is larger than 1 MiB\n  = a scene is a few kilobytes of TOML: is this the right file?", path.display())]
     TooLarge { path: PathBuf },
-    #[error("{}:{line}:{column}: byte 0x{byte:02x} is not UTF-8\n  = save the file as UTF-8 text", path.display())]
-    NotUtf8 { path: PathBuf, line: usize, column: usize, byte: u8 },
     #[error("no scene is called `{name}` {}\n  = {way_out}", place(folder))]
     Unknown { name: String, folder: PathBuf, way_out: String },
     #[error(
@@ -116,16 +105,16 @@ impl SceneError {
     pub(crate) fn at(
         source: &Source,
         span: Range<usize>,
-        message: impl Into<String>,
-        hint: impl Into<String>,
+        message: impl ToString,
+        hint: impl ToString,
     ) -> SceneError {
         SceneError::Text(Box::new(TextFault {
             path: source.path.clone(),
             text: source.text.clone(),
             span: clamp(&source.text, span),
-            message: message.into(),
+            message: message.to_string(),
             notes: Vec::new(),
-            hint: hint.into(),
+            hint: hint.to_string(),
         }))
     }
 }
@@ -248,10 +237,12 @@ impl Registry {
     /// The scene is unknown or invalid, or a file of the folder holds a scene of another name.
     pub fn load(&self, scene: &str) -> Result<Scene> {
         let path = self.find(scene)?;
-        let loaded = match self.text(&path) {
-            Some(text) => Scene::from_source(Source {
+        let below = path.strip_prefix(&self.folder).ok();
+        let mut inside = self.inside.iter();
+        let loaded = match inside.find(|(name, _)| below == Some(Path::new(name))) {
+            Some((_, text)) => Scene::from_source(Source {
                 beside: self.inside,
-                ..Source::from_text(&path, text)
+                ..Source::from_text(&path, *text)
             })?,
             None => Scene::read(&path)?,
         };
@@ -260,13 +251,6 @@ impl Registry {
         let message = format!("the scene is called `{}`, its file `{expected}.toml`", loaded.name);
         let hint = format!("write name = \"{expected}\", or rename the file");
         loaded.refuse_if(other, "scene.name", message, hint).map(|()| loaded)
-    }
-
-    /// The text of a file inside the program.
-    fn text(&self, path: &Path) -> Option<&'static str> {
-        let below = path.strip_prefix(&self.folder).ok()?;
-        let (_, text) = self.inside.iter().find(|(name, _)| Path::new(name) == below)?;
-        Some(text)
     }
 
     fn unknown(&self, name: &str) -> SceneError {
@@ -297,18 +281,13 @@ impl Registry {
             if path.is_dir() && deeper > 0 {
                 self.enter(&path, deeper - 1)?;
             } else if path.extension().is_some_and(|ending| ending == "toml") {
-                self.add(path)?;
+                let name = stem(&path);
+                if let Some(first) = self.files.insert(name.clone(), path.clone()) {
+                    return Err(SceneError::Duplicate { name, first, second: path });
+                }
             }
         }
         Ok(())
-    }
-
-    fn add(&mut self, path: PathBuf) -> Result<()> {
-        let name = stem(&path);
-        match self.files.insert(name.clone(), path.clone()) {
-            None => Ok(()),
-            Some(first) => Err(SceneError::Duplicate { name, first, second: path }),
-        }
     }
 }
 

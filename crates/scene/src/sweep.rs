@@ -12,7 +12,6 @@ use files::counted;
 /// The direction of refinement; joint is C_h h^order + C_k k^order_k over the grid of cases, path h → 0 along the pairs of
 /// the sweep.
 pub use judge::verdict::Variable as Direction;
-use serde::de::IgnoredAny;
 
 /// The reference run of a scene without exact solution.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -40,29 +39,31 @@ pub struct Sweep {
 }
 
 impl Sweep {
-    pub(super) fn validate(reading: &Reading, domain: &Domain, has_contact: bool) -> Result<Sweep> {
+    /// `known` says whether there is contact, and whether its states are known.
+    pub(super) fn validate(reading: &Reading, domain: &Domain, known: [bool; 2]) -> Result<Sweep> {
         let pairs = if reading.has("sweep.pairs") { Some(path(reading, domain)?) } else { None };
         let (n, steps) = match &pairs {
-            Some(pairs) => [0, 1].map(|i| distinct(pairs.iter().map(|pair| pair[i]))).into(),
+            Some(pairs) => {
+                let mut both = [0, 1].map(|i| pairs.iter().map(|pair| pair[i]).collect::<Vec<_>>());
+                both.iter_mut().for_each(Vec::dedup);
+                both.into()
+            }
             None => (counts(reading, "sweep.n")?, counts(reading, "sweep.steps")?),
         };
         for (index, &n) in n.iter().enumerate().filter(|_| pairs.is_none()) {
             whole_cells(reading, &format!("sweep.n.{index}"), n, domain)?;
         }
         let reference = match reading.has("sweep.reference") {
-            true if domain.mesh != MeshFamily::Structured => {
-                let message = "a reference run on meshes that do not nest: the mesh n is no part of the reference's";
-                let hint = "use the structured mesh, or an exact solution";
-                return Err(reading.error("sweep.reference", message, hint));
-            }
             true => Some(Reference::validate(reading, domain, &n, &steps)?),
             false => None,
         };
-        let norm = |index| Norm::validate(reading, &format!("sweep.norms.{index}"), has_contact);
+        let norm = |index| Norm::validate(reading, &format!("sweep.norms.{index}"), known);
         let norms: Vec<Norm> =
             reading.entries("sweep.norms")?.map(norm).collect::<Result<_, _>>()?;
         let norms = reading.has("sweep.norms").then_some(norms);
         let by_state = reading.optional("sweep.by_state")?.unwrap_or(false);
+        let [message, hint] = NO_STATES;
+        reading.refuse_if(by_state && !known[1], "sweep.by_state", message, hint)?;
         Ok(Sweep { n, steps, pairs, reference, norms, by_state })
     }
 
@@ -73,29 +74,33 @@ impl Sweep {
 }
 
 impl Reference {
-    /// What does not serve these cases, and why: they are compared with it at common vertices and times.
-    fn no_multiple(self, n: &[u32], steps: &[u32]) -> Option<(&'static str, String)> {
-        [("n", self.n, n), ("steps", self.steps, steps)].into_iter().find_map(
-            |(name, own, cases)| {
-                let case = cases.iter().find(|&&case| !own.is_multiple_of(case))?;
-                Some((
-                    name,
-                    format!("the reference {name} = {own} is not a multiple of {name} = {case}"),
-                ))
-            },
-        )
+    /// Refuses what does not serve these cases, and says why: they are compared with it at common vertices and times.
+    fn serves(self, n: &[u32], steps: &[u32]) -> Result<(), (&'static str, String)> {
+        for (name, own, cases) in [("n", self.n, n), ("steps", self.steps, steps)] {
+            if let Some(case) = cases.iter().find(|&&case| !own.is_multiple_of(case)) {
+                let message =
+                    format!("the reference {name} = {own} is not a multiple of {name} = {case}");
+                return Err((name, message));
+            }
+        }
+        Ok(())
     }
 
     fn validate(reading: &Reading, domain: &Domain, n: &[u32], steps: &[u32]) -> Result<Reference> {
+        let nested = domain.mesh == MeshFamily::Structured;
+        let message =
+            "a reference run on meshes that do not nest: the mesh n is no part of the reference's";
+        let hint = "use the structured mesh, or an exact solution";
+        reading.refuse_if(!nested, "sweep.reference", message, hint)?;
         let reference = Reference {
             n: reading.count("sweep.reference.n")?,
             steps: step_count(reading, "sweep.reference.steps")?,
         };
         whole_cells(reading, "sweep.reference.n", reference.n, domain)?;
-        if let Some((name, message)) = reference.no_multiple(n, steps) {
-            let hint = "errors are compared at common vertices and times: choose a common multiple";
-            return Err(reading.error(&format!("sweep.reference.{name}"), message, hint));
-        }
+        let hint = "errors are compared at common vertices and times: choose a common multiple";
+        reference.serves(n, steps).map_err(|(name, message)| {
+            reading.error(&format!("sweep.reference.{name}"), message, hint)
+        })?;
         let message = format!(
             "the reference is the case n = {}, steps = {} itself: its error would be 0",
             reference.n, reference.steps
@@ -115,7 +120,7 @@ fn path(reading: &Reading, domain: &Domain) -> Result<Vec<[u32; 2]>> {
     for index in reading.entries("sweep.pairs")? {
         let key = format!("sweep.pairs.{index}");
         let first = format!("{key}.0");
-        reading.entries_of(&key, 2, "a pair has two numbers: write [n, N], as in [16, 8]")?;
+        reading.entries_of(&key, 2)?;
         let n = reading.count(&first)?;
         let steps = step_count(reading, &format!("{key}.1"))?;
         whole_cells(reading, &first, n, domain)?;
@@ -130,16 +135,9 @@ fn path(reading: &Reading, domain: &Domain) -> Result<Vec<[u32; 2]>> {
     reading.refuse_if(path.len() < 3, "sweep.pairs", message, hint).map(|()| path)
 }
 
-fn distinct(values: impl Iterator<Item = u32>) -> Vec<u32> {
-    let mut values: Vec<u32> = values.collect();
-    values.dedup();
-    values
-}
-
 fn step_count(reading: &Reading, key: &str) -> Result<u32> {
-    let count = reading.count(key)?;
-    let message = format!("{count} time steps are more than {MOST_STEPS}");
-    reading.refuse_if(count > MOST_STEPS, key, message, "choose fewer steps").map(|()| count)
+    let fault = "is not a whole number from 1 to 10000000, the most time steps";
+    reading.whole(key, 1..=MOST_STEPS, fault)
 }
 
 impl Time {
@@ -151,20 +149,15 @@ impl Time {
         });
         let reference = sweep.reference.map(|run| ("sweep.reference.steps".into(), run.steps));
         of_grid.chain(reference).try_for_each(|(key, steps): (String, u32)| {
-            match self.grid(steps) {
-                Ok(_) => Ok(()),
-                Err(error) => Err(reading.error(&key, error.to_string(), SMALLER_EXPONENT)),
-            }
+            let grid = self.grid(steps).map(drop);
+            grid.map_err(|error| reading.error(&key, error, SMALLER_EXPONENT))
         })
     }
 }
 
 fn counts(reading: &Reading, key: &str) -> Result<Vec<u32>> {
-    let entries = 0..reading.required::<Vec<IgnoredAny>>(key)?.len();
-    let hint = "give at least one: [8, 16, 32]";
-    reading.refuse_if(entries.is_empty(), key, "the list is empty", hint)?;
     let mut counts = Vec::new();
-    for index in entries {
+    for index in reading.some_entries(key)? {
         let item = format!("{key}.{index}");
         let count = match key {
             "sweep.steps" => step_count(reading, &item)?,
@@ -180,34 +173,32 @@ fn counts(reading: &Reading, key: &str) -> Result<Vec<u32>> {
 /// Numbers of cells and vertices have to fit 32 bits.
 const MOST_CELLS: f64 = 1e9;
 /// More steps are taken for a slip; `--steps` has the same limit.
-const MOST_STEPS: u32 = 10_000_000;
+const MOST_STEPS: i64 = 10_000_000;
 
-/// Why a mesh n cannot be, and the way out: n cells per unit length must cut every side of a rectangle or box into a whole
-/// number of cells, and not too many.
-fn unfit(n: u32, domain: &Domain) -> Option<(String, &'static str)> {
+/// Refuses a mesh n that cannot be, with the message and the way out: n cells per unit length must cut every side of a
+/// rectangle or box into a whole number of cells, and not too many.
+fn fit(n: u32, domain: &Domain) -> Result<(), (String, &'static str)> {
     let cells = domain.cells(n);
     if cells.is_nan() || cells > MOST_CELLS {
+        let hint = "choose a smaller n, the number of cells per unit length, or a larger unit";
         let message =
             format!("n = {n} makes {cells:.1e} cells, and a mesh has {MOST_CELLS:e} at most");
-        return Some((
-            message,
-            "choose a smaller n, the number of cells per unit length, or a larger unit",
-        ));
+        return Err((message, hint));
     }
-    let odd = |length: &&f64| {
-        let cells = f64::from(n) * **length;
-        cells < 0.5 || (cells - cells.round()).abs() > 1e-9 * cells
-    };
-    let length = domain.size.iter().find(odd).filter(|_| domain.shape == Shape::Box)?;
-    let message = format!(
-        "n = {n} does not divide side {length} into whole cells: {n} cells per unit length make {}",
-        f64::from(n) * length
-    );
-    Some((message, "choose n so that n times each side is a whole number"))
+    for length in domain.size.iter().filter(|_| domain.shape == Shape::Box) {
+        let cells = f64::from(n) * length;
+        if cells < 0.5 || (cells - cells.round()).abs() > 1e-9 * cells {
+            let message = format!(
+                "n = {n} does not divide side {length} into whole cells: {n} cells per unit length make {cells}"
+            );
+            return Err((message, "choose n so that n times each side is a whole number"));
+        }
+    }
+    Ok(())
 }
 
 fn whole_cells(reading: &Reading, key: &str, n: u32, domain: &Domain) -> Result<()> {
-    unfit(n, domain).map_or(Ok(()), |(message, hint)| Err(reading.error(key, message, hint)))
+    fit(n, domain).map_err(|(message, hint)| reading.error(key, message, hint))
 }
 
 impl Scene {
@@ -216,8 +207,8 @@ impl Scene {
     /// # Errors
     /// An n that does not.
     pub fn check_cells(&self, n: u32) -> Result<()> {
-        let fault = self.as_contact().and_then(|body| unfit(n, &body.domain));
-        fault.map_or(Ok(()), |(message, hint)| Err(self.error("domain.size", message, hint)))
+        let fits = self.as_contact().map_or(Ok(()), |body| fit(n, &body.domain));
+        fits.map_err(|(message, hint)| self.error("domain.size", message, hint))
     }
 
     /// Checks that numbers of steps make grids, each step above rounding of the horizon.
@@ -225,9 +216,9 @@ impl Scene {
     /// # Errors
     /// A number that does not.
     pub fn check_steps(&self, steps: &[u32]) -> Result<()> {
-        let fault = steps.iter().find_map(|&steps| self.time.grid(steps).err());
-        let Some(fault) = fault else { return Ok(()) };
-        Err(self.error("time.grid", fault.to_string(), SMALLER_EXPONENT))
+        let grids = steps.iter().map(|&steps| self.time.grid(steps).map(drop));
+        let grids: Result<(), _> = grids.collect();
+        grids.map_err(|error| self.error("time.grid", error, SMALLER_EXPONENT))
     }
 
     /// [`Self::check_steps`] of the sweep and its reference run, which studies change after a file was read.
@@ -266,8 +257,8 @@ impl Scene {
         self.check_steps(steps)?;
         let reference = self.sweep.as_ref().and_then(|sweep| sweep.reference);
         let hint = "choose divisors of the reference's, or change the reference";
-        let fault = reference.and_then(|reference| reference.no_multiple(n, steps));
-        fault.map_or(Ok(()), |(_, message)| Err(self.error("sweep.reference", message, hint)))
+        let serves = reference.map_or(Ok(()), |reference| reference.serves(n, steps));
+        serves.map_err(|(_, message)| self.error("sweep.reference", message, hint))
     }
 }
 
@@ -288,26 +279,10 @@ pub(super) fn serves(
 }
 
 /// Errors by contact state need an exact solution in the plane with contact.
-pub(super) fn states_are_known(
-    reading: &Reading,
-    known: bool,
-    sweep: Option<&Sweep>,
-    predicts: &[Prediction],
-) -> Result<()> {
-    let listed = sweep.and_then(|sweep| sweep.norms.as_ref());
-    let listed = listed.and_then(|list| list.iter().position(|norm| norm.by_state()));
-    let judged = predicts.iter().position(|prediction| prediction.norm.by_state());
-    let key = match (sweep.is_some_and(|sweep| sweep.by_state), listed, judged) {
-        _ if known => return Ok(()),
-        (true, ..) => "sweep.by_state".to_owned(),
-        (_, Some(index), _) => format!("sweep.norms.{index}"),
-        (.., Some(index)) => format!("predicts.{index}.norm"),
-        _ => return Ok(()),
-    };
-    let message = "errors by contact state need the state of the truth at every point";
-    let hint = "they are known for an exact solution in the plane with contact; measure trace_L2_max and pressure_L2_max here";
-    Err(reading.error(&key, message, hint))
-}
+const NO_STATES: [&str; 2] = [
+    "errors by contact state need the state of the truth at every point",
+    "they are known for an exact solution in the plane with contact; measure trace_L2_max and pressure_L2_max here",
+];
 
 // `[[predicts]]`: the orders that the theory promises, with their theorems.
 
@@ -390,17 +365,18 @@ impl Norm {
         matches!(self, Norm::TraceMax(_) | Norm::PressureMax(_) | Norm::ContactMeasureMax)
     }
 
-    pub(super) fn validate(reading: &Reading, key: &str, has_contact: bool) -> Result<Norm> {
+    fn validate(reading: &Reading, key: &str, [contact, states]: [bool; 2]) -> Result<Norm> {
         let norm = reading.choice(key, &Norm::NAMES)?;
         let message = format!("`{}` is measured on Γ3, and the scene has no contact", norm.name());
         let hint = "choose V_max, L2_max or stress_L2_max, or add contact";
-        reading.refuse_if(norm.needs_contact() && !has_contact, key, message, hint)?;
+        reading.refuse_if(norm.needs_contact() && !contact, key, message, hint)?;
+        let [message, hint] = NO_STATES;
+        reading.refuse_if(norm.by_state() && !states, key, message, hint)?;
         let odd =
             norm == Norm::DisplacementMax && SceneKind::validate(reading)? != SceneKind::Abstract;
         let message = "`displacement_max` is the integral of u in an abstract scene";
         let hint = "a body has it in its stress: choose stress_L2_max";
-        reading.refuse_if(odd, key, message, hint)?;
-        Ok(norm)
+        reading.refuse_if(odd, key, message, hint).map(|()| norm)
     }
 }
 
@@ -433,17 +409,13 @@ impl Prediction {
     }
 
     /// Validates the prediction at position `index` of the file.
-    pub(super) fn validate(
-        reading: &Reading,
-        index: usize,
-        has_contact: bool,
-    ) -> Result<Prediction> {
+    pub(super) fn validate(reading: &Reading, index: usize, known: [bool; 2]) -> Result<Self> {
         let table = format!("predicts.{index}");
         let key = |name: &str| join(&table, name);
         let flag = |name: &str| reading.optional::<bool>(&key(name));
-        let known = [Direction::H, Direction::K, Direction::Joint, Direction::Path];
-        let known = known.map(|variable| (variable.name(), variable));
-        let variable = reading.choice(&key("variable"), &known)?;
+        let variables = [Direction::H, Direction::K, Direction::Joint, Direction::Path];
+        let variables = variables.map(|variable| (variable.name(), variable));
+        let variable = reading.choice(&key("variable"), &variables)?;
         let to_zero = flag("tends_to_zero")?.unwrap_or(false);
         if to_zero {
             for other in ["order", "order_k", "at_least", "exact", "constant_within"] {
@@ -461,15 +433,22 @@ impl Prediction {
             let message = "both at_least and exact: an order is a lower bound or it is sharp";
             return Err(reading.key_error(&key("exact"), message, "keep one of the two"));
         }
-        let why: String = reading.required(&key("why"))?;
-        let hint = "name the theorem or equation that promises the order: why = \"(5.26)\"";
-        reading.refuse_if(why.trim().is_empty(), &key("why"), "`why` is empty", hint)?;
+        let why = reading.text(&key("why"))?;
+        let order_k = match (variable == Direction::Joint, reading.has(&key("order_k"))) {
+            (true, _) => Some(reading.positive(&key("order_k"))?),
+            (false, false) => None,
+            (false, true) => {
+                let message = "`order_k` belongs to joint predictions";
+                let hint = "write variable = \"joint\", or remove order_k";
+                return Err(reading.key_error(&key("order_k"), message, hint));
+            }
+        };
         let constant = !to_zero && flag("constant")?.unwrap_or(true);
         Ok(Prediction {
-            norm: Norm::validate(reading, &key("norm"), has_contact)?,
+            norm: Norm::validate(reading, &key("norm"), known)?,
             variable,
             order: if to_zero { 0.0 } else { reading.positive(&key("order"))? },
-            order_k: order_in_k(reading, &key("order_k"), variable)?,
+            order_k,
             at_least,
             exact,
             constant,
@@ -502,49 +481,17 @@ fn constant_within(
     constant: bool,
 ) -> Result<Option<f64>> {
     let (within, why) = (key("constant_within"), key("constant_why"));
-    let reason: Option<String> = reading.optional(&why)?;
-    let explained = reason.is_some_and(|reason| !reason.trim().is_empty());
-    let (key, message, hint) = match (reading.has(&within), explained) {
-        (false, false) if reading.has(&why) => {
-            (&why, "`constant_why` is empty", "state the reason, or remove it")
-        }
-        (false, false) => return Ok(None),
-        (false, true) => (
-            &why,
-            "`constant_why` has no `constant_within` to explain",
-            "add it: constant_within = 0.03, or remove constant_why",
-        ),
-        (true, _) if !constant => (
-            &within,
-            "`constant_within` beside constant = false: nothing is compared",
-            "keep one of the two",
-        ),
-        (true, false) => (
-            &within,
-            "`constant_within` without a reason",
-            "say why the usual tolerance is not enough: constant_why = \"n = 6 is the finest mesh\"",
-        ),
-        (true, true) => {
-            let hint = "give the relative distance that is allowed, such as 0.03";
-            return reading.share(&within, hint).map(Some);
-        }
-    };
-    Err(reading.key_error(key, message, hint))
-}
-
-fn order_in_k(reading: &Reading, key: &str, variable: Direction) -> Result<Option<f64>> {
-    match (variable, reading.has(key)) {
-        (Direction::Joint, true) => reading.positive(key).map(Some),
-        (Direction::Joint, false) => Err(reading.error(
-            key,
-            "a joint prediction needs two orders",
-            "add the one in k: order_k = 2.0",
-        )),
-        (_, false) => Ok(None),
-        (_, true) => Err(reading.key_error(
-            key,
-            "`order_k` belongs to joint predictions",
-            "write variable = \"joint\", or remove order_k",
-        )),
+    if !reading.has(&within) {
+        let message = "`constant_why` has no `constant_within` to explain";
+        let hint = "add it: constant_within = 0.03, or remove constant_why";
+        let alone = reading.has(&why);
+        return if alone { Err(reading.key_error(&why, message, hint)) } else { Ok(None) };
     }
+    if !constant {
+        let message = "`constant_within` beside constant = false: nothing is compared";
+        return Err(reading.key_error(&within, message, "keep one of the two"));
+    }
+    reading.text(&why)?;
+    let hint = "give the relative distance that is allowed, such as 0.03";
+    reading.share(&within, hint).map(Some)
 }

@@ -52,63 +52,6 @@ impl TimeRule {
         }
     }
 
-    /// One of each: scenes can name no other, and what is to hold of all rules is tested on these.
-    pub const EVERY: [Self; 7] = [
-        Self::Trapezoid,
-        Self::Left,
-        Self::Right,
-        Self::Gregory { order: 3 },
-        Self::Gregory { order: 4 },
-        Self::CorrectedEnd { exponent: 0.5 },
-        Self::ProductIntegration,
-    ];
-
-    /// Whether it is for equal steps alone.
-    pub fn needs_equal_steps(self) -> bool {
-        matches!(self, Self::Gregory { .. })
-    }
-
-    /// What is said of it: its kind and its keys in scene files, its name in output, and its weights in units of the step.
-    fn said(self) -> ([&'static str; 3], String) {
-        let (said, weights) = match self {
-            Self::Trapezoid => {
-                (["trapezoid", "", "trapezoidal rule"], "trapezoidal, weights 1/2, 1, ..., 1, 1/2")
-            }
-            Self::Left => (
-                ["left", "", "left-endpoint rule"],
-                "left endpoint, weights 1, ..., 1, 0: no step is too large for (3.4)",
-            ),
-            Self::Right => (
-                ["right", "", "right-endpoint rule"],
-                "right endpoint, weights 0, 1, ..., 1: the sum of backward Euler",
-            ),
-            Self::Gregory { order: 3 } => (
-                ["gregory", "order", "Gregory's rule of order 3"],
-                "Gregory of order 3, weights 5/12, 13/12, 1, ..., 1, 13/12, 5/12",
-            ),
-            Self::Gregory { .. } => (
-                ["gregory", "order", "Gregory's rule of order 4"],
-                "Gregory of order 4, weights 3/8, 7/6, 23/24, 1, ..., 1, 23/24, 7/6, 3/8; trapezoidal at t_1",
-            ),
-            Self::CorrectedEnd { exponent } => {
-                let weights =
-                    format!("trapezoidal with an end weight corrected for (t - s)^{exponent}");
-                return (["corrected-end", "exponent", "corrected end"], weights);
-            }
-            Self::ProductIntegration => (
-                ["product-integration", "", "product integration"],
-                "product integration, the kernel integrated exactly",
-            ),
-        };
-        (said, weights.into())
-    }
-
-    /// Its name and its keys in scene files.
-    fn kind(self) -> (&'static str, &'static str) {
-        let ([kind, keys, _], _) = self.said();
-        (kind, keys)
-    }
-
     /// Whether a history of a history has bounds by it: weights that are not larger in a longer sum.
     pub fn repeats(self) -> bool {
         matches!(self, Self::Trapezoid | Self::Left | Self::Right)
@@ -123,53 +66,59 @@ impl TimeRule {
         }
     }
 
-    /// The kinds of rule with their keys.
-    fn kinds() -> Vec<(&'static str, &'static str)> {
-        let mut kinds = Self::EVERY.map(Self::kind).to_vec();
-        kinds.dedup();
-        kinds
-    }
-
-    /// Its name in output.
-    pub fn name(self) -> &'static str {
-        self.said().0[2]
-    }
-
     /// Its name, and its weights in units of the step.
     pub fn in_words(self) -> String {
-        self.said().1
+        match self {
+            Self::Trapezoid => "trapezoidal, weights 1/2, 1, ..., 1, 1/2",
+            Self::Left => "left endpoint, weights 1, ..., 1, 0: no step is too large for (3.4)",
+            Self::Right => "right endpoint, weights 0, 1, ..., 1: the sum of backward Euler",
+            Self::Gregory { order: 3 } => {
+                "Gregory of order 3, weights 5/12, 13/12, 1, ..., 1, 13/12, 5/12"
+            }
+            Self::Gregory { .. } => {
+                "Gregory of order 4, weights 3/8, 7/6, 23/24, 1, ..., 1, 23/24, 7/6, 3/8; trapezoidal at t_1"
+            }
+            Self::CorrectedEnd { exponent } => {
+                return format!("trapezoidal with an end weight corrected for (t - s)^{exponent}");
+            }
+            Self::ProductIntegration => "product integration, the kernel integrated exactly",
+        }
+        .into()
     }
-}
 
-impl TimeRule {
     /// `rule = "left"`, or `rule = { kind = "gregory", order = 4 }`.
     fn validate(reading: &Reading) -> Result<TimeRule> {
-        let mut rules = Self::EVERY.map(|rule| (rule.kind().0, rule)).to_vec();
-        rules.dedup_by_key(|(kind, _)| *kind);
-        let (key, word) = match reading.has_parts("time.rule") {
-            true => ("time.rule.kind", reading.kind("time.rule", &Self::kinds())?.to_owned()),
-            false => ("time.rule", reading.required("time.rule")?),
+        let kind = match reading.has_parts("time.rule") {
+            true => reading.kind("time.rule", &RULES)?,
+            false => reading.choice("time.rule", &RULES.map(|(kind, _)| (kind, kind)))?,
         };
-        let rule = reading.named(key, &word, &rules)?;
-        Ok(match rule {
-            TimeRule::Gregory { .. } => match reading.optional::<i64>("time.rule.order")? {
-                None | Some(3) => TimeRule::Gregory { order: 3 },
-                Some(4) => TimeRule::Gregory { order: 4 },
-                Some(order) => {
-                    let (key, hint) = ("time.rule.order", "order = 3 or order = 4");
-                    let message = format!("the rule of Gregory has no order {order} here");
-                    return Err(reading.error(key, message, hint));
-                }
-            },
-            TimeRule::CorrectedEnd { .. } => {
-                let hint = "the correction is for kernels (t - s)^a with 0 < a < 1";
-                let exponent = reading.share("time.rule.exponent", hint)?;
-                TimeRule::CorrectedEnd { exponent }
+        Ok(match kind {
+            "trapezoid" => Self::Trapezoid,
+            "left" => Self::Left,
+            "right" => Self::Right,
+            "gregory" if !reading.has("time.rule.order") => Self::Gregory { order: 3 },
+            "gregory" => {
+                let fault = "is no order of Gregory's rule here, which has order 3 or 4";
+                Self::Gregory { order: reading.whole("time.rule.order", 3..=4, fault)? }
             }
-            plain => plain,
+            "corrected-end" => {
+                let hint = "the correction is for kernels (t - s)^a with 0 < a < 1";
+                Self::CorrectedEnd { exponent: reading.share("time.rule.exponent", hint)? }
+            }
+            _ => Self::ProductIntegration,
         })
     }
 }
+
+/// The kinds of rule with their keys.
+const RULES: [(&str, &str); 6] = [
+    ("trapezoid", ""),
+    ("left", ""),
+    ("right", ""),
+    ("gregory", "order"),
+    ("corrected-end", "exponent"),
+    ("product-integration", ""),
+];
 
 impl Time {
     pub(super) fn validate(reading: &mut Reading) -> Result<Time> {
@@ -177,17 +126,14 @@ impl Time {
         let grid = reading.if_given("time.grid", |reading, _| grid(reading))?;
         let rule = reading.if_given("time.rule", |reading, _| TimeRule::validate(reading))?;
         let (grid, rule) = (grid.unwrap_or(TimeGrid::Uniform), rule.unwrap_or(TimeRule::Trapezoid));
-        let odd = rule.needs_equal_steps() && grid != TimeGrid::Uniform;
+        let odd = matches!(rule, TimeRule::Gregory { .. }) && grid != TimeGrid::Uniform;
         let message = "the rule of Gregory is for equal steps: its corrections are differences";
         let hint = "leave the grid out, or take the rule \"trapezoid\"";
         reading.refuse_if(odd, "time.rule", message, hint)?;
         let time = Time { horizon, grid, rule };
-        let fault = |key, steps, hint| match time.grid(steps) {
-            Ok(_) => Ok(()),
-            Err(error) => Err(reading.error(key, error.to_string(), hint)),
-        };
-        fault("time.horizon", 1, "state the scene in a smaller unit of time")?;
-        fault("time.grid", 2, SMALLER_EXPONENT)?;
+        let hint = "state the scene in a smaller unit of time";
+        time.grid(1).map_err(|error| reading.error("time.horizon", error, hint))?;
+        time.grid(2).map_err(|error| reading.error("time.grid", error, SMALLER_EXPONENT))?;
         Ok(time)
     }
 

@@ -9,10 +9,10 @@ use super::friction::Friction;
 use super::keys::{Part, SceneKind};
 use super::law::Law;
 use super::material::Material;
-use super::memory::{needs_product_integration, needs_repeated_rule};
+use super::memory::has_a_rule;
 use super::reading::{Reading, placed, syntax};
 use super::source::{Result, SceneError, Source};
-use super::sweep::{Prediction, Sweep, serves, states_are_known};
+use super::sweep::{Prediction, Sweep, serves};
 use super::time::Time;
 use crate::ContactQuadrature;
 use fem::space::Element;
@@ -127,26 +127,46 @@ impl Scene {
     /// # Errors
     /// The first fault found, with its place and the way out.
     pub fn from_source(source: Source) -> Result<Scene> {
-        if is_blank(&source.text) {
+        let mut lines = source.text.lines().map(str::trim);
+        if lines.all(|line| line.is_empty() || line.starts_with('#')) {
             return Err(SceneError::Empty { path: source.path });
         }
         let text = source.text.clone();
         let table = DeTable::parse(&text).map_err(|error| syntax(&source, &error))?;
         let table = table.get_ref();
         let source = with_mesh(source, table)?;
-        let mut reading = Reading::new(&source, table);
+        let (violates, formulas, parameters) = (Vec::new(), Graph::new(), Vec::new());
+        let mut reading = Reading { source: &source, table, violates, formulas, parameters };
         let kind = SceneKind::validate(&reading)?;
         refuse_unknown(&reading, kind)?;
-        let name = name(&reading)?;
+        let name: String = reading.required("scene.name")?;
+        let allowed = |c: char| c.is_ascii_alphanumeric() || c == '-' || c == '_';
+        let odd = name.is_empty() || name.len() > LONGEST_NAME || !name.chars().all(allowed);
+        let message = format!("`{name}`, {} characters, cannot name a scene", name.len());
+        let hint = format!(
+            "use letters, digits, - and _, at most {LONGEST_NAME} of them: the name becomes part of file names"
+        );
+        reading.refuse_if(odd, "scene.name", message, hint)?;
         let question = reading.required("scene.question")?;
-        let dimension = dimension(&reading, kind)?;
+        let (known, fault) = match kind {
+            SceneKind::Abstract => {
+                (1..=MOST, "is no dimension of an abstract problem: X = R^m with m from 1 to 256")
+            }
+            SceneKind::Contact => {
+                (2..=3, "is no dimension of a contact problem: 2 is plane strain, 3 is space")
+            }
+        };
+        let dimension = reading.whole("scene.dimension", known, fault)?;
         let judge = reading.optional("scene.judge")?.unwrap_or(true);
-        let expect = expectation(&reading)?;
+        let known = [Expectation::Pass, Expectation::Fail, Expectation::Unresolved];
+        let known = known.map(|verdict| (verdict.name(), verdict));
+        let expect = reading.choice_or("scene.expect", &known, Expectation::Pass)?;
         let long = reading.optional("scene.long")?.unwrap_or(false);
         let window_n = reading.window("scene.window_n")?;
         let window_steps = reading.window("scene.window_steps")?;
-        reading.violates = violates(&reading)?;
-        let Content { time, body, predicts, sweep } = match kind {
+        let one = |index| reading.choice(&format!("scene.violates.{index}"), &Hypothesis::NAMES);
+        reading.violates = reading.entries("scene.violates")?.map(one).collect::<Result<_>>()?;
+        let (time, body, predicts, sweep) = match kind {
             SceneKind::Contact => in_contact(&mut reading, dimension, judge)?,
             SceneKind::Abstract => abstract_problem(&mut reading, dimension)?,
         };
@@ -155,7 +175,7 @@ impl Scene {
             "add [[predicts]] with norm, variable, order and why, or say judge = false in [scene]";
         reading.refuse_if(judge && predicts.is_empty(), "scene.judge", message, hint)?;
         let Reading { violates, formulas, .. } = reading;
-        Ok(Scene {
+        let scene = Scene {
             name,
             question,
             dimension,
@@ -171,7 +191,9 @@ impl Scene {
             predicts,
             sweep,
             formulas,
-        })
+        };
+        let element = scene.as_contact().map_or(Element::P1, |body| body.element);
+        scene.with_element(element)
     }
 
     /// Bytes of the value at a dotted key (`exact.multiplier`), or of the part that would contain it.
@@ -189,87 +211,65 @@ impl Scene {
         fault: bool,
         key: &str,
         message: impl ToString,
-        hint: impl Into<String>,
+        hint: impl ToString,
     ) -> Result<()> {
-        if fault { Err(self.error(key, message.to_string(), hint)) } else { Ok(()) }
+        if fault { Err(self.error(key, message, hint)) } else { Ok(()) }
     }
 
     /// An error found later, such as (2.9) violated, at a key of this scene.
-    pub fn error(
-        &self,
-        key: &str,
-        message: impl Into<String>,
-        hint: impl Into<String>,
-    ) -> SceneError {
+    pub fn error(&self, key: &str, message: impl ToString, hint: impl ToString) -> SceneError {
         SceneError::at(&self.source, self.span(key), message, hint)
     }
 }
 
-/// Only white space and comments.
-fn is_blank(text: &str) -> bool {
-    text.lines().map(str::trim).all(|line| line.is_empty() || line.starts_with('#'))
-}
-
 /// The parts of a scene besides its heading.
-struct Content {
-    time: Time,
-    body: Body,
-    predicts: Vec<Prediction>,
-    sweep: Option<Sweep>,
-}
+type Content = (Time, Body, Vec<Prediction>, Option<Sweep>);
 
 fn in_contact(reading: &mut Reading, dimension: usize, judge: bool) -> Result<Content> {
     let domain = Domain::validate(reading, dimension)?;
     let time = Time::validate(reading)?;
     let material = Material::validate(reading, time.horizon, &domain)?;
-    needs_product_integration(reading, &time, material.singular_key())?;
-    needs_repeated_rule(reading, &time, material.nested_key())?;
+    has_a_rule(reading, &time, [material.singular_key(), material.nested_key()])?;
     reading.parameters = parameters(reading)?;
     let contact = Contact::validate(reading, &domain, &time)?;
     let data = Data::validate(reading, &domain, &time, &contact)?;
     let on_contact = !contact.is_empty();
-    let predicts = predictions(reading, on_contact)?;
-    let sweep =
-        reading.if_given("sweep", |reading, _| Sweep::validate(reading, &domain, on_contact))?;
+    let states = matches!(data, Data::Exact { .. }) && on_contact && dimension == 2;
+    let predicts = predictions(reading, [on_contact, states])?;
+    let sweep = reading
+        .if_given("sweep", |reading, _| Sweep::validate(reading, &domain, [on_contact, states]))?;
     sweep.iter().try_for_each(|sweep| time.serves(reading, sweep))?;
     serves(reading, sweep.as_ref(), &predicts)?;
-    let known = matches!(data, Data::Exact { .. }) && on_contact && dimension == 2;
-    states_are_known(reading, known, sweep.as_ref(), &predicts)?;
-    has_truth(reading, judge, &data, sweep.as_ref())?;
-    let mut body = ContactScene { domain, material, contact, data, element: Element::P1 };
-    body.element = element(reading, &body)?;
-    Ok(Content { time, body: Body::Contact(Box::new(body)), predicts, sweep })
+    let reference = sweep.as_ref().and_then(|sweep| sweep.reference);
+    let truth = matches!(data, Data::Exact { .. }) || reference.is_some();
+    let message =
+        "there is neither an exact solution nor a reference run, so errors cannot be measured";
+    let hint = "add to [sweep]: reference = { n = 128, steps = 64 }";
+    let key = if sweep.is_some() { "sweep" } else { "loads" };
+    reading.refuse_if(!truth && (judge || sweep.is_some()), key, message, hint)?;
+    let known = Element::ALL.map(|known| (known.name(), known));
+    let element = reading.choice_or(KEY, &known, Element::P1)?;
+    let body = ContactScene { domain, material, contact, data, element };
+    Ok((time, Body::Contact(Box::new(body)), predicts, sweep))
 }
 
 fn abstract_problem(reading: &mut Reading, dimension: usize) -> Result<Content> {
     let time = Time::validate(reading)?;
     reading.parameters = parameters(reading)?;
     let body = AbstractScene::validate(reading, time.horizon, dimension)?;
-    needs_product_integration(reading, &time, body.singular_key())?;
-    needs_repeated_rule(reading, &time, body.nested_key())?;
-    let predicts = predictions(reading, !body.traces.is_empty())?;
+    has_a_rule(reading, &time, [body.singular_key(), body.nested_key()])?;
+    let predicts = predictions(reading, [!body.traces.is_empty(), false])?;
     for (index, prediction) in predicts.iter().enumerate() {
         prediction.only_in_time(reading, index)?;
     }
     let sweep = reading.if_given("sweep", |reading, _| Sweep::in_time(reading))?;
     sweep.iter().try_for_each(|sweep: &Sweep| time.serves(reading, sweep))?;
-    Ok(Content { time, body: Body::Abstract(Box::new(body)), predicts, sweep })
+    Ok((time, Body::Abstract(Box::new(body)), predicts, sweep))
 }
 
-fn predictions(reading: &Reading, has_contact: bool) -> Result<Vec<Prediction>> {
-    let one = |index| Prediction::validate(reading, index, has_contact);
+fn predictions(reading: &Reading, known: [bool; 2]) -> Result<Vec<Prediction>> {
+    let one = |index| Prediction::validate(reading, index, known);
     reading.entries("predicts")?.map(one).collect()
-}
-
-/// A scene without an exact solution needs a reference run, unless it is neither judged nor swept.
-fn has_truth(reading: &Reading, judge: bool, data: &Data, sweep: Option<&Sweep>) -> Result<()> {
-    let reference = sweep.and_then(|sweep| sweep.reference);
-    let truth = matches!(data, Data::Exact { .. }) || reference.is_some();
-    let message =
-        "there is neither an exact solution nor a reference run, so errors cannot be measured";
-    let hint = "add to [sweep]: reference = { n = 128, steps = 64 }";
-    let key = if sweep.is_some() { "sweep" } else { "loads" };
-    reading.refuse_if(!truth && (judge || sweep.is_some()), key, message, hint)
 }
 
 // `[scene]`: the name, the question, and how the scene is judged.
@@ -323,48 +323,6 @@ impl SceneKind {
 /// Longest name of a scene, in bytes: file systems allow 255, and pictures and unfinished files add some 30, as in
 /// `NAME-trade-memory.svg.4194304.partial`.
 const LONGEST_NAME: usize = 200;
-
-/// A name becomes part of file names: letters, digits, `-` and `_`.
-pub(super) fn name(reading: &Reading) -> Result<String> {
-    let name: String = reading.required("scene.name")?;
-    let allowed = |c: char| c.is_ascii_alphanumeric() || c == '-' || c == '_';
-    let message = format!("a name of {} characters", name.len());
-    let hint = format!("use at most {LONGEST_NAME}: the name becomes part of file names");
-    reading.refuse_if(name.len() > LONGEST_NAME, "scene.name", message, hint)?;
-    let odd = name.is_empty() || !name.chars().all(allowed);
-    let message = format!("`{name}` cannot name a scene");
-    let hint = "use letters, digits, - and _: the name becomes part of file names";
-    reading.refuse_if(odd, "scene.name", message, hint).map(|()| name)
-}
-
-pub(super) fn dimension(reading: &Reading, kind: SceneKind) -> Result<usize> {
-    let dimension: i64 = reading.required("scene.dimension")?;
-    let (known, message, hint) = match kind {
-        SceneKind::Abstract => (
-            1..=MOST,
-            format!("{dimension} is no dimension of an abstract problem"),
-            format!("X = R^m with m from 1 to {MOST}: matrices are dense"),
-        ),
-        SceneKind::Contact => (
-            2..=3,
-            format!("dimension {dimension} has no contact problem"),
-            "write dimension = 2 (plane strain) or 3".into(),
-        ),
-    };
-    reading.refuse_if(!known.contains(&dimension), "scene.dimension", message, hint)?;
-    Ok(dimension.unsigned_abs() as usize)
-}
-
-pub(super) fn expectation(reading: &Reading) -> Result<Expectation> {
-    let known = [Expectation::Pass, Expectation::Fail, Expectation::Unresolved];
-    let known = known.map(|verdict| (verdict.name(), verdict));
-    reading.choice_or("scene.expect", &known, Expectation::Pass)
-}
-
-pub(super) fn violates(reading: &Reading) -> Result<Vec<Hypothesis>> {
-    let one = |index| reading.choice(&format!("scene.violates.{index}"), &Hypothesis::NAMES);
-    reading.entries("scene.violates")?.map(one).collect()
-}
 
 // What a scene may have beyond the setting of the paper, and commands that leave it out of account.
 
@@ -420,51 +378,26 @@ impl Scene {
 
 // `[discretization]`: the element of displacements.
 
-pub(super) const KEY: &str = "discretization.element";
-
-/// The element of a scene of linear elements so far; P1 by default.
-///
-/// # Errors
-/// An unknown element, or one incompatible with a part of the scene.
-pub(super) fn element(reading: &Reading, body: &ContactScene) -> Result<Element> {
-    let known = Element::ALL.map(|known| (known.name(), known));
-    let element = reading.choice_or(KEY, &known, Element::P1)?;
-    match refusal(element, body) {
-        Some([message, hint]) => Err(reading.error(KEY, message, hint)),
-        None => Ok(element),
-    }
-}
-
-/// Why a body cannot have an element, and the way out.
-fn refusal(element: Element, body: &ContactScene) -> Option<[&'static str; 2]> {
-    if element == Element::P1 {
-        return None;
-    }
-    let quadrature = body.contact.first().map(|contact| contact.quadrature);
-    if quadrature.is_some_and(|rule| rule != ContactQuadrature::Vertex) {
-        let message = "P2 integrates the contact law by Simpson's rule on edges, by the midpoints on triangles";
-        return Some([message, "say quadrature = \"vertex\" in [contact], or take P1"]);
-    }
-    if body.domain.dimension() == 3 && body.friction().is_some() {
-        let message = "P2 has no friction in space, where its contact is at midpoints alone";
-        return Some([message, "remove [contact.friction], or take P1"]);
-    }
-    None
-}
+const KEY: &str = "discretization.element";
 
 impl Scene {
     /// The scene with another element.
     ///
     /// # Errors
-    /// At `discretization.element`, as if the file named the element.
+    /// At `discretization.element`, where it is incompatible with a part of the scene.
     pub fn with_element(&self, element: Element) -> Result<Self> {
         let mut scene = self.clone();
-        if let Body::Contact(body) = &mut scene.body {
-            if let Some([message, hint]) = refusal(element, body) {
-                return Err(self.error(KEY, message, hint));
-            }
-            body.element = element;
-        }
+        let Body::Contact(body) = &mut scene.body else { return Ok(scene) };
+        let linear = element == Element::P1;
+        let at_vertices = body.contact.iter().all(|c| c.quadrature == ContactQuadrature::Vertex);
+        let message = "P2 integrates the contact law by Simpson's rule on edges, by the midpoints on triangles";
+        let hint = "say quadrature = \"vertex\" in [contact], or take P1";
+        self.refuse_if(!linear && !at_vertices, KEY, message, hint)?;
+        let in_space = body.domain.dimension() == 3 && body.friction().is_some();
+        let message = "P2 has no friction in space, where its contact is at midpoints alone";
+        let hint = "remove [contact.friction], or take P1";
+        self.refuse_if(!linear && in_space, KEY, message, hint)?;
+        body.element = element;
         Ok(scene)
     }
 }
@@ -528,10 +461,9 @@ impl serde::Serialize for Change {
 /// Refuses a key that no table of its name has. Unknown keys are refused before values are read: a misspelt one is why another
 /// is missing.
 fn refuse_unknown(reading: &Reading, kind: SceneKind) -> Result<()> {
-    let parts = || Part::every().iter().filter(|part| part.is_of(kind));
-    let whole = parts().map(|part| part.tables[0].trim_end_matches(".*"));
+    let whole = Part::of(kind).map(|part| part.tables[0].trim_end_matches(".*"));
     reading.keys("", &whole.filter(|name| !name.contains('.')).collect::<Vec<_>>())?;
-    for part in parts() {
+    for part in Part::of(kind) {
         let keys = part.keys(kind);
         for table in &part.tables {
             let tables = tables(reading, table)?.into_iter();

@@ -247,8 +247,8 @@ fn constants() {
         crate::shipped::refusal(text)
     };
     for (line, said) in [
-        ("constant_within = 0.07", "without a reason"),
-        ("constant_within = 0.07\nconstant_why = \" \"", "without a reason"),
+        ("constant_within = 0.07", "lacks the key `constant_why`"),
+        ("constant_within = 0.07\nconstant_why = \" \"", "`constant_why` is empty"),
         ("constant_why = \"coarse\"", "has no `constant_within` to explain"),
         (
             "constant = false\nconstant_within = 0.07\nconstant_why = \"coarse\"",

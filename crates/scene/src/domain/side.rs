@@ -66,54 +66,55 @@ const DEPENDENT: f64 = 1e-6;
 /// The first vertex of Γ3 off Γ1 with too many normals.
 pub(super) fn few_at_a_vertex(reading: &Reading, domain: &Domain) -> Result<()> {
     let Shape::Refined(coarse) = &domain.shape else { return Ok(()) };
-    let on = |sides: &[super::Side], side: u32| sides.iter().any(|listed| listed.0 == side);
-    let mut normals: Vec<Vec<[f64; 3]>> = vec![Vec::new(); coarse.vertices.len()];
-    let mut across = normals.clone();
-    let mut clamped = vec![false; coarse.vertices.len()];
-    for face in &coarse.facets {
-        for &v in &face.corners {
-            let here = &mut normals[v as usize];
-            if on(&domain.contact, face.side) && !here.contains(&face.normal) {
-                here.push(face.normal);
-            }
-            if on(&domain.symmetry, face.side) {
-                add_independent(&mut across[v as usize], face.normal);
-            }
-            clamped[v as usize] |= on(&domain.clamped, face.side);
+    let mut around = vec![Vec::new(); coarse.vertices.len()];
+    for facet in &coarse.facets {
+        facet.corners.iter().for_each(|&v| around[v as usize].push(facet));
+    }
+    for (vertex, facets) in coarse.vertices.iter().zip(&around) {
+        let on = |sides: &[Side]| -> Vec<[f64; 3]> {
+            let listed = facets.iter().filter(|facet| sides.contains(&Side(facet.side)));
+            listed.map(|facet| facet.normal).collect()
+        };
+        let (mut normals, mut across): (Vec<[f64; 3]>, Vec<[f64; 3]>) = Default::default();
+        for normal in on(&domain.contact) {
+            normals.extend((!normals.contains(&normal)).then_some(normal));
         }
-    }
-    let bad = |v: &usize| {
-        let conditions = [&normals[*v][..], &across[*v]].concat();
-        let possible = coarse.dimension == 2 && across[*v].is_empty();
-        !clamped[*v] && !normals[*v].is_empty() && !possible && !independent(&conditions)
-    };
-    let Some(v) = (0..normals.len()).find(bad) else { return Ok(()) };
-    let at = place(&coarse.vertices[v].into(), coarse.dimension);
-    let (key, message, hint) = match across[v].is_empty() {
-        true => (
-            "domain.contact",
-            format!(
-                "{} faces of the contact sides with different normals meet at {at}: the conditions u_nu <= g there are not independent",
-                normals[v].len()
+        for normal in on(&domain.symmetry) {
+            across.push(normal);
+            if !independent(&across) {
+                across.pop();
+            }
+        }
+        let possible = coarse.dimension == 2 && across.is_empty();
+        let clamped = !on(&domain.clamped).is_empty();
+        if clamped
+            || possible
+            || normals.is_empty()
+            || independent(&[&normals[..], &across].concat())
+        {
+            continue;
+        }
+        let at = place(&(*vertex).into(), coarse.dimension);
+        let (key, message, hint) = match across.is_empty() {
+            true => (
+                "domain.contact",
+                format!(
+                    "{} faces of the contact sides with different normals meet at {at}: the conditions u_nu <= g there are not independent",
+                    normals.len()
+                ),
+                "contact sides of tetrahedra must be plane: a bent side of many faces may be a traction side",
             ),
-            "contact sides of tetrahedra must be plane: a bent side of many faces may be a traction side",
-        ),
-        false => (
-            "domain.symmetry",
-            format!(
-                "a contact side and a plane of symmetry meet at {at} along one line: u_nu = 0 and u_nu <= g there are not independent"
+            false => (
+                "domain.symmetry",
+                format!(
+                    "a contact side and a plane of symmetry meet at {at} along one line: u_nu = 0 and u_nu <= g there are not independent"
+                ),
+                "put a traction or clamped side between them, or let them meet at an angle",
             ),
-            "put a traction or clamped side between them, or let them meet at an angle",
-        ),
-    };
-    Err(reading.error(key, message, hint))
-}
-
-fn add_independent(known: &mut Vec<[f64; 3]>, normal: [f64; 3]) {
-    known.push(normal);
-    if !independent(known) {
-        known.pop();
+        };
+        return Err(reading.error(key, message, hint));
     }
+    Ok(())
 }
 
 /// Number of rigid motions with u_ν = 0 on the planes of symmetry: what the rank of ν·r at the corners of each plane piece,

@@ -46,7 +46,7 @@ fn tables_have_the_keys_of_their_kinds() {
                 let said = said(&format!("{{ kind = \"{kind}\", {key} = 1 }}"));
                 said.message == format!("kind `{kind}` takes no `{key}`")
             };
-            assert!(kinds.iter().any(|kind| refuses(kind)), "{key} of {kinds:?}");
+            assert!(kinds.iter().any(refuses), "{key} of {kinds:?}");
         }
     }
     assert_eq!(tables, 7);
