@@ -155,7 +155,8 @@ fn the_constants_bound_what_they_must() {
     // c_ν² = 1 and c_τ² = 6.444 (scipy): 2 - (0.5 + 0.125) - 0.04 · 2/2 ... of μ = 0.3 is 1.08, of 0.4 it is 0.86.
     let found = constants(&setup("friction-coulomb")).expect("constants");
     assert!((found.m0 - (2.0 - 0.625 - 0.08 * 6.444)).abs() < 1e-3, "{}", found.m0);
-    let printed = found.m_elastic - found.concave_as_printed();
+    let falls = found.alpha_nu * found.c_nu_squared + found.alpha_tau * found.c_tau_squared;
+    let printed = found.m_elastic - falls - (found.alpha_phi_as_printed() - found.alpha_phi);
     assert!((printed - (2.0 - 0.5 - 0.8 * 6.444f64.sqrt())).abs() < 1e-3, "{printed}");
     // (2.9) as it is printed, with α_φ of all of φ: μ = 0 here, and 0.7 in a body that may yield.
     assert_eq!(

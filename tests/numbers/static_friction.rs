@@ -10,7 +10,7 @@ use crate::judged::verdict;
 use crate::shipped::{edited, on_mesh, refusal, run, setup, setup_of, text};
 use fem::contact::{Friction, StepView, TracePart};
 use judge::verdict::Decision;
-use scene::setup::{Setup, TraceConstant, trace_constant};
+use scene::setup::{Setup, TraceConstant, weighted_trace_constant};
 use vhi::law::{PiecewiseLinear, TensorField};
 
 #[test]
@@ -33,7 +33,8 @@ fn the_normal_displacement_is_zero_and_the_side_slips() {
 
 fn c_tau(setup: &Setup) -> TraceConstant {
     let identity = TensorField::identity();
-    trace_constant(&setup.body.domain, &identity, TracePart::Tangential).expect("a constant")
+    weighted_trace_constant(&setup.body.domain, &identity, TracePart::Tangential, &[])
+        .expect("a constant")
 }
 
 /// u = (1 - y, 0) has |u_τ|² = 1 and ‖ε(u)‖² = 1/2: c_τ² ≥ 2 with u_ν = 0. Without it there are more functions.
@@ -47,7 +48,13 @@ fn the_trace_constant_is_that_of_the_space_with_u_nu_zero() {
     let without = c_tau(&setup_of(free));
     assert!(with.value > 2.0 && with.range()[1] < 0.6 * without.range()[0], "{with:?}");
     assert_eq!(
-        trace_constant(&sound.body.domain, &TensorField::identity(), TracePart::Normal).expect("0"),
+        weighted_trace_constant(
+            &sound.body.domain,
+            &TensorField::identity(),
+            TracePart::Normal,
+            &[]
+        )
+        .expect("0"),
         TraceConstant::ZERO
     );
 }

@@ -5,7 +5,7 @@
 
 use fem::contact::TracePart;
 use scene::setup::{Constants, Setup, SetupError, Smallness, check_step_sizes, constants};
-use scene::setup::{Subject, trace_constant};
+use scene::setup::{Subject, weighted_trace_constant};
 use scene::{Scene, Source};
 use studies::theory::bound::BoundStudy;
 use vhi::law::TensorField;
@@ -94,7 +94,8 @@ fn trace_constants_are_those_of_an_independent_computation() {
     for known in &KNOWN {
         let (setup, found) = sound(known);
         for (part, [exact, off]) in [TracePart::Normal, TracePart::Tangential].iter().zip(known.3) {
-            let constant = trace_constant(&setup.body.domain, &TensorField::identity(), *part);
+            let constant =
+                weighted_trace_constant(&setup.body.domain, &TensorField::identity(), *part, &[]);
             let constant = constant.expect("a constant");
             let [value, uncertainty] = [constant.value, constant.uncertainty];
             println!(

@@ -4,6 +4,7 @@ use super::kernel_bounds::{KernelBounds, KernelNorms, NESTED, norm};
 use super::regularity::abstract_claims;
 use super::{Result, potential};
 use crate::memory::in_the_largest;
+use crate::reading::evenly;
 use crate::{AbstractScene, Body, Hypothesis, Law, Norm, Scene};
 use algebra::linalg::larger;
 use exact::{ByTime, FiniteData, FiniteExact, FiniteState, FiniteTrace};
@@ -122,7 +123,7 @@ impl AbstractSetup {
         let hint = "enlarge the matrix of the operator; or say violates = [\"2.9\"] in [scene] to run it all the same";
         let fails = c.m0 <= 0.0 && !self.scene.violates.contains(&Hypothesis::Smallness);
         self.scene.refuse_if(fails, "operator.matrix", message, hint)?;
-        let times = (0..=TIMES).map(|n| self.scene.time.horizon * f64::from(n) / f64::from(TIMES));
+        let times = evenly(0.0, self.scene.time.horizon, TIMES);
         // Scale of rounding: the largest a_i·u and ξ_i at any time.
         let mut sizes = vec![[0.0f64; 2]; self.problem.traces.len()];
         for t in times.clone() {
@@ -214,30 +215,30 @@ impl FiniteLoad for AbstractLoad<'_> {
     }
 }
 
+/// A law of a component, its derivatives by y and by r.
 struct FormulaComponent {
     graph: Arc<Graph>,
-    value: Node,
-    by_y: Node,
-    by_r: Node,
+    nodes: [Node; 3],
 }
 
 impl FormulaComponent {
-    fn evaluate(&self, node: Node, y: f64, r: f64) -> f64 {
-        self.graph.evaluate(node, &EvaluationPoint { x: r, y, ..EvaluationPoint::default() })
+    fn evaluate(&self, which: usize, y: f64, r: f64) -> f64 {
+        let at = EvaluationPoint { x: r, y, ..EvaluationPoint::default() };
+        self.graph.evaluate(self.nodes[which], &at)
     }
 }
 
 impl ComponentLaw for FormulaComponent {
     fn value(&self, y: f64, r: f64) -> f64 {
-        self.evaluate(self.value, y, r)
+        self.evaluate(0, y, r)
     }
 
     fn by_y(&self, y: f64, r: f64) -> f64 {
-        self.evaluate(self.by_y, y, r)
+        self.evaluate(1, y, r)
     }
 
     fn by_r(&self, y: f64, r: f64) -> f64 {
-        self.evaluate(self.by_r, y, r)
+        self.evaluate(2, y, r)
     }
 }
 
@@ -292,19 +293,13 @@ fn model(scene: &Scene, problem: &AbstractScene) -> FiniteModel {
         let program = Program::compile(&graph, &[node], scene.time.horizon);
         Box::new(FormulaKernel { graph: graph.clone(), node, program, power })
     };
-    let components = |nodes: &[[Node; 3]]| -> Vec<Box<dyn ComponentLaw>> {
-        nodes
-            .iter()
-            .map(|&[value, by_y, by_r]| {
-                let graph = graph.clone();
-                Box::new(FormulaComponent { graph, value, by_y, by_r }) as Box<dyn ComponentLaw>
-            })
-            .collect()
+    let component = |nodes: [Node; 3]| -> Box<dyn ComponentLaw> {
+        Box::new(FormulaComponent { graph: graph.clone(), nodes })
     };
     FiniteModel {
         inner_product: dense(&problem.inner_product),
         matrix: dense(&problem.matrix),
-        nonlinear: components(&nonlinear),
+        nonlinear: nonlinear.into_iter().map(component).collect(),
         kernels: problem
             .kernels
             .iter()
@@ -317,7 +312,7 @@ fn model(scene: &Scene, problem: &AbstractScene) -> FiniteModel {
         r: dense(&problem.r),
         a_s: DVector::from_column_slice(&problem.a_s),
         start: DVector::from_column_slice(&problem.start),
-        force: components(&force),
+        force: force.into_iter().map(component).collect(),
         functionals: problem
             .traces
             .iter()

@@ -3,6 +3,7 @@
 use super::constants::{Smallness, needed};
 use super::regularity::contact_claims;
 use super::{Result, Setup};
+use crate::reading::evenly;
 use crate::{Face, Hypothesis, SceneError, Side};
 use exact::{Exact, Sliding};
 use files::digits;
@@ -131,8 +132,7 @@ fn visit(
 ) -> Result<(), SceneError> {
     let mut bound = program.bind(points);
     let mut values = vec![Vec::new(); outputs];
-    for n in 0..=TIMES {
-        let t = setup.scene.time.horizon * f64::from(n) / f64::from(TIMES);
+    for t in evenly(0.0, setup.scene.time.horizon, TIMES) {
         bound.evaluate(t, 0.0, &mut values);
         for (p, &place) in points.iter().enumerate() {
             let at: Vec<f64> = values.iter().map(|field| field[p]).collect();
@@ -173,10 +173,9 @@ fn clamped(setup: &Setup, exact: &Exact) -> Result<(), SceneError> {
 fn symmetric(setup: &Setup, exact: &Exact) -> Result<(), SceneError> {
     let (scene, domain) = (&setup.scene, &setup.body.domain);
     let inside = domain.inner_points(6);
-    let times = (0..=TIMES).map(|n| scene.time.horizon * f64::from(n) / f64::from(TIMES));
-    let times: Vec<f64> = times.collect();
+    let times = evenly(0.0, scene.time.horizon, TIMES);
     // Sizes that count as rounding of zero, from the body: strains are derivatives, and lose half of the digits at most.
-    let largest = times.iter().fold([0.0f64; 2], |largest, &t| exact.sizes(&inside, t, largest));
+    let largest = times.clone().fold([0.0f64; 2], |largest, t| exact.sizes(&inside, t, largest));
     let [least_u, least_sigma] = [ROUNDING * largest[0], ROUNDING.sqrt() * largest[1]];
     let faces = |side| domain.faces(side).into_iter().map(move |face| (side, face));
     for (side, face) in domain.held().into_iter().flat_map(faces) {
@@ -191,7 +190,7 @@ fn symmetric(setup: &Setup, exact: &Exact) -> Result<(), SceneError> {
             ),
         };
         let points = face.points(samples_along(setup));
-        for &t in &times {
+        for t in times.clone() {
             let across = exact.across(&face.normal, &points, t);
             for (&place, [u, traction]) in points.iter().zip(across) {
                 let at = Sample { place, t, setup };

@@ -6,7 +6,7 @@ use super::{AbstractSetup, Result, Setup, SetupError, elasticity};
 use crate::memory::in_the_largest;
 use crate::{RelaxationTerm, Side};
 use fem::contact::{Discretization, TraceMass, TracePart, weighted_trace_constants};
-use formula::{EvaluationPoint, Graph, Interval, Node, Variable};
+use formula::{EvaluationPoint, Interval, Node, Variable};
 use vhi::history::TimeRule;
 use vhi::law::TensorField;
 use vhi::{SingularSlot, StepBounds, monotonicity};
@@ -100,11 +100,6 @@ impl Coulomb {
         let theta = best.min(most);
         [alpha_nu + 0.5 * theta, rising.max(0.5 * square * alpha_nu.powi(2) / theta)]
     }
-
-    /// μ_f L_p with L_p = max |p'|.
-    fn largest_slope(&self, alpha_nu: f64) -> f64 {
-        self.coefficient * self.rise.max(alpha_nu)
-    }
 }
 
 /// What one region has in the last slot of the history, for weight 1.
@@ -168,18 +163,9 @@ impl Constants {
     /// α_φ of (2.7b) for all of φ: μ, and μ_f L_p c_j c_τ of friction that follows the normal law, with the
     /// extrapolated c_j and c_τ.
     pub fn alpha_phi_as_printed(&self) -> f64 {
-        self.alpha_phi + self.of_coulomb()
-    }
-
-    /// μ_f L_p c_j c_τ.
-    fn of_coulomb(&self) -> f64 {
         let product = (self.c_j_squared * self.c_tau_squared).sqrt();
-        self.coulomb.map_or(0.0, |coulomb| coulomb.largest_slope(self.alpha_nu) * product)
-    }
-
-    /// α_ν c_j² + μ_f L_p c_j c_τ: the form of (2.9) with this α_φ, never smaller.
-    pub fn concave_as_printed(&self) -> f64 {
-        self.falls() + self.of_coulomb()
+        let taken = |law: Coulomb| law.coefficient * law.rise.max(self.alpha_nu) * product;
+        self.alpha_phi + self.coulomb.map_or(0.0, taken)
     }
 
     /// The largest over all regions of what `of` makes of the region and its share m0/d, m0 the least one and d the region's
@@ -234,17 +220,7 @@ impl Constants {
 /// # Errors
 /// A stiffness matrix that cannot be factorized.
 pub fn constants(setup: &Setup) -> Result<Constants> {
-    let tangential = match setup.model.friction {
-        None => TraceConstant::ZERO,
-        Some(_) => of_domain(setup, TracePart::Tangential, &[])?,
-    };
-    let normal = of_domain(setup, TracePart::Normal, &[])?;
-    let falling = falling_sides(setup);
-    let falling = match falling[..] {
-        [] => normal.clone(),
-        _ => of_domain(setup, TracePart::Normal, &falling)?,
-    };
-    Ok(with_trace_constants(setup, [&normal, &falling, &tangential]))
+    constants_by(setup, true, |part, weights| of_domain(setup, part, weights))
 }
 
 /// The constants for the step size: c_j² is computed only if the law falls somewhere.
@@ -260,7 +236,7 @@ pub fn step_bounds(setup: &Setup) -> Result<StepBounds> {
 /// # Errors
 /// As [`constants`].
 pub(super) fn needed(setup: &Setup) -> Result<Constants> {
-    with_needed(setup, |part, weights| of_domain(setup, part, weights))
+    constants_by(setup, false, |part, weights| of_domain(setup, part, weights))
 }
 
 /// c_j², c_ν² or c_τ², without contact 0.
@@ -273,23 +249,28 @@ fn of_domain(setup: &Setup, part: TracePart, weights: &[(Side, f64)]) -> Result<
     weighted_trace_constant(domain, &TensorField::identity(), part, weights)
 }
 
-/// The constants with c_ν² and c_τ², each computed only if a law on Γ3 takes from the monotonicity by it, and c_j² where it
-/// is c_ν².
-fn with_needed(
+/// The constants with every c_ν² and c_τ², or with each only if a law on Γ3 takes from the monotonicity by it; then c_j² where
+/// it is c_ν².
+fn constants_by(
     setup: &Setup,
+    every: bool,
     constant: impl Fn(TracePart, &[(Side, f64)]) -> Result<TraceConstant>,
 ) -> Result<Constants> {
-    let follows = coulomb(setup).is_some();
-    let falls = setup.body.friction().is_some_and(|friction| friction.alpha() > 0.0);
-    let needed = |part, weights: &[(Side, f64)], is_needed| match is_needed {
+    let of = |part, weights: &[(Side, f64)], is_needed| match every || is_needed {
         true => constant(part, weights),
         false => Ok(TraceConstant::ZERO),
     };
-    let sides = falling_sides(setup);
-    let falling = needed(TracePart::Normal, &sides, alpha_nu(setup) > 0.0 || follows)?;
-    let tangential = needed(TracePart::Tangential, &[], falls || follows)?;
-    let normal = if sides.is_empty() { &falling } else { &TraceConstant::ZERO };
-    Ok(with_trace_constants(setup, [normal, &falling, &tangential]))
+    let (follows, sides) = (coulomb(setup).is_some(), falling_sides(setup));
+    let falling = of(TracePart::Normal, &sides, alpha_nu(setup) > 0.0 || follows)?;
+    let normal = match sides[..] {
+        [] => falling.clone(),
+        _ => of(TracePart::Normal, &[], false)?,
+    };
+    let tangential = match setup.body.friction() {
+        None => TraceConstant::ZERO,
+        Some(friction) => of(TracePart::Tangential, &[], follows || friction.alpha() > 0.0)?,
+    };
+    Ok(with_trace_constants(setup, [&normal, &falling, &tangential]))
 }
 
 /// The constants of a scene for a given c_j², c_ν² and c_τ².
@@ -306,7 +287,7 @@ pub fn with_trace_constants(
     let lipschitz_kappa = setup.kappa.lipschitz;
     let root_area = setup.body.domain.measure().sqrt();
     let yielding = mu * lipschitz_kappa * root_area;
-    let plain = plain_norms(setup);
+    let plain = norms_of_power(setup, 0.0);
     let (power, singular) = singular_norms(setup);
     let slots = plain.iter().zip(&singular).enumerate();
     let regions = slots
@@ -316,6 +297,12 @@ pub fn with_trace_constants(
             singular,
         })
         .collect();
+    // Of contact sides those alone whose laws fall, where they do by one α; all where all or none fall; none where they differ.
+    let (mut falling_domain, sides) = (setup.body.domain.clone(), falling_sides(setup));
+    if !sides.is_empty() {
+        let alike = sides.iter().all(|(_, weight)| *weight == 1.0);
+        falling_domain.contact = sides.iter().filter(|_| alike).map(|(side, _)| *side).collect();
+    }
     let mut constants = Constants {
         m_elastic,
         m_a: m_elastic + mu,
@@ -337,8 +324,7 @@ pub fn with_trace_constants(
         c_j_squared_bound: setup.body.domain.depth_under_contact(),
         c_nu_squared: falling.value,
         c_nu_range: falling.range(),
-        // That of the sides with the falling law, if it is one.
-        c_nu_squared_bound: under_falling_laws(setup).depth_under_contact(),
+        c_nu_squared_bound: falling_domain.depth_under_contact(),
         m0: f64::NAN,
         m0_range: [f64::NAN; 2],
         lipschitz_kappa,
@@ -379,23 +365,11 @@ pub fn falling_sides(setup: &Setup) -> Vec<(Side, f64)> {
     }
 }
 
-/// The domain with those contact sides alone whose laws fall, where they do by one α; with all where all or none fall; with
-/// none where they differ.
-fn under_falling_laws(setup: &Setup) -> crate::Domain {
-    let (sides, mut domain) = (falling_sides(setup), setup.body.domain.clone());
-    if !sides.is_empty() {
-        let alike = sides.iter().all(|(_, weight)| *weight == 1.0);
-        domain.contact = sides.iter().filter(|_| alike).map(|(side, _)| *side).collect();
-    }
-    domain
-}
-
 /// c̄0 and c1 of (2.8b), |ξ| ≤ c̄0 + c1 |r|, that hold for every law on Γ3, with the largest factors.
 pub fn growth(setup: &Setup) -> [f64; 2] {
     let mut largest = [0.0f64; 2];
     for (contact, boundary) in setup.body.contact.iter().zip(&setup.model.boundary) {
-        let factor = contact.law.as_ref().and_then(|law| law.scale);
-        let factor = factor.map_or(1.0, |scale| scale.largest);
+        let factor = contact.law.as_ref().map_or(1.0, crate::Law::largest_scale);
         let (c0, c1) = boundary.potential.growth();
         largest = [largest[0].max(factor * c0), largest[1].max(factor * c1)];
     }
@@ -424,7 +398,7 @@ pub fn decomposition_bound(
     n: u32,
     steps: u32,
 ) -> Result<f64> {
-    let constants = with_needed(setup, |part, weights| {
+    let constants = constants_by(setup, false, |part, weights| {
         let square = [(part, TraceMass::Lumped)];
         let weight = weight_by_side(weights);
         weighted_trace_constants(space, &TensorField::identity(), square, &weight)
@@ -487,104 +461,67 @@ impl MemoryNorms {
     }
 }
 
-/// The eigenvalues of ℬ(t) on one region as formulas in t: ℬ is isotropic. The terms t^{-a} C(t) without the power.
-struct OfRegion {
-    /// On deviators and spheres.
-    eigenvalues: [Node; 2],
-    /// Σ |ℬ_ijkl|.
-    entries: Node,
-}
-
-/// The terms with one power, by region, in a graph of their own.
-struct Memory {
-    graph: Graph,
-    regions: Vec<OfRegion>,
-}
-
-impl Memory {
-    /// The terms of ℬ with t^{-power} in their kernels, without it; for [`NESTED`] the histories of histories, with the
-    /// kernel ±max |r| q, of the sign of r(0).
-    fn of_power(setup: &Setup, power: f64) -> Self {
-        let mut graph = setup.scene.formulas.clone();
-        let material = &setup.body.material;
-        let over = Interval::new(0.0, setup.scene.time.horizon);
-        let mut factor = |memory: &RelaxationTerm| match (memory.singular, memory.inner) {
-            (None, Some(r)) => (power == NESTED).then(|| {
-                let most = graph.largest_modulus(r, Variable::T, over).bound;
-                let now = graph.evaluate(r, &EvaluationPoint::default());
-                let most = graph.constant(most.copysign(now));
-                graph.mul(most, memory.kernel)
-            }),
-            (None, None) => (power == 0.0).then_some(memory.kernel),
-            (Some(singular), _) => (power == singular.power).then_some(singular.factor),
+/// The norms on each region, the rest of the body first, of the terms of ℬ with t^{-power} in their kernels, without it; for
+/// [`NESTED`] of the histories of histories, with the kernel ±max |r| q, of the sign of r(0).
+fn norms_of_power(setup: &Setup, power: f64) -> Vec<MemoryNorms> {
+    let mut graph = setup.scene.formulas.clone();
+    let material = &setup.body.material;
+    let over = Interval::new(0.0, setup.scene.time.horizon);
+    let mut factor = |memory: &RelaxationTerm| match (memory.singular, memory.inner) {
+        (None, Some(r)) => (power == NESTED).then(|| {
+            let most = graph.largest_modulus(r, Variable::T, over).bound;
+            let now = graph.evaluate(r, &EvaluationPoint::default());
+            let most = graph.constant(most.copysign(now));
+            graph.mul(most, memory.kernel)
+        }),
+        (None, None) => (power == 0.0).then_some(memory.kernel),
+        (Some(singular), _) => (power == singular.power).then_some(singular.factor),
+    };
+    let factors: Vec<Option<Node>> = material.memory.iter().map(&mut factor).collect();
+    let of_region = |region: usize| {
+        let lame = |memory: &RelaxationTerm| match region {
+            0 => [memory.lambda, memory.mu],
+            named => memory.regions[named - 1],
         };
-        let factors: Vec<Option<Node>> = material.memory.iter().map(&mut factor).collect();
-        let of_region = |region: usize| {
-            let lame = |memory: &RelaxationTerm| match region {
-                0 => [memory.lambda, memory.mu],
-                named => memory.regions[named - 1],
-            };
-            let terms = material.memory.iter().zip(&factors);
-            terms.filter_map(|(memory, b)| Some(((*b)?, lame(memory)))).collect::<Vec<_>>()
-        };
-        let regions = (0..=material.regions.len())
-            .map(|region| OfRegion::new(&mut graph, &of_region(region), setup.scene.dimension))
-            .collect();
-        Self { graph, regions }
-    }
-
-    /// The norms on each region, the rest of the body first.
-    fn norms(&self, horizon: f64) -> Vec<MemoryNorms> {
-        let over = Interval::new(0.0, horizon);
-        let bound = |node: Node| self.graph.largest_modulus(node, Variable::T, over).bound;
-        let of_region = |region: &OfRegion| {
-            let [a, b] = region
-                .eigenvalues
-                .map(|node| self.graph.evaluate(node, &EvaluationPoint::default()));
-            MemoryNorms {
-                operator: region.eigenvalues.map(bound).into_iter().fold(0.0, f64::max),
-                entries: bound(region.entries),
-                at_zero: a.abs().max(b.abs()),
-                spectrum_at_zero: (a.min(b), a.max(b)),
-            }
-        };
-        self.regions.iter().map(of_region).collect()
-    }
-}
-
-impl OfRegion {
-    fn new(graph: &mut Graph, terms: &[(Node, [f64; 2])], dimension: usize) -> Self {
-        let d = dimension as f64;
+        let terms = material.memory.iter().zip(&factors);
+        let terms: Vec<(Node, [f64; 2])> =
+            terms.filter_map(|(memory, b)| Some(((*b)?, lame(memory)))).collect();
+        let d = setup.scene.dimension as f64;
         let mut sum = |weight: &dyn Fn([f64; 2]) -> f64| {
             graph.weighted_sum(terms.iter().map(|&(kernel, lame)| (weight(lame), kernel)))
         };
+        // ℬ is isotropic: its eigenvalues are those on deviators and spheres.
         let deviator = sum(&|[_, mu]| 2.0 * mu);
         let sphere = sum(&|[lambda, mu]| 2.0 * mu + d * lambda);
         let (lambda, normal) = (sum(&|[lambda, _]| lambda), sum(&|[lambda, mu]| lambda + 2.0 * mu));
-        // As Σ |λ δ_ij δ_kl + μ(δ_ik δ_jl + δ_il δ_jk)|.
+        // Σ |ℬ_ijkl|, as Σ |λ δ_ij δ_kl + μ(δ_ik δ_jl + δ_il δ_jk)|.
         let nodes = [("normal", normal), ("lambda", lambda), ("deviator", deviator)];
         let text = "n*abs(normal) + n*(n - 1)*abs(lambda) + n*(n - 1)*abs(deviator)";
         let entries = graph.written(text, &nodes, &[("n", d)]);
-        Self { eigenvalues: [deviator, sphere], entries }
-    }
-}
-
-/// The norms of ℬ without its terms that are infinite at t = 0, on each region.
-fn plain_norms(setup: &Setup) -> Vec<MemoryNorms> {
-    Memory::of_power(setup, 0.0).norms(setup.scene.time.horizon)
+        let bound = |node: Node| graph.largest_modulus(node, Variable::T, over).bound;
+        let [a, b] =
+            [deviator, sphere].map(|node| graph.evaluate(node, &EvaluationPoint::default()));
+        MemoryNorms {
+            operator: bound(deviator).max(bound(sphere)),
+            entries: bound(entries),
+            at_zero: a.abs().max(b.abs()),
+            spectrum_at_zero: (a.min(b), a.max(b)),
+        }
+    };
+    (0..=material.regions.len()).map(of_region).collect()
 }
 
 /// The largest power a, and the norms of all terms that are infinite at t = 0 as terms t^{-a} C(t), on each region.
 fn singular_norms(setup: &Setup) -> (f64, Vec<MemoryNorms>) {
     let horizon = setup.scene.time.horizon;
     if setup.body.material.memory.iter().any(|term| term.inner.is_some()) {
-        return (NESTED, Memory::of_power(setup, NESTED).norms(horizon));
+        return (NESTED, norms_of_power(setup, NESTED));
     }
     let terms = setup.body.material.memory.iter().filter_map(|term| term.singular);
     let powers = in_the_largest(terms.map(|singular| singular.power), horizon);
     let none = vec![MemoryNorms::default(); setup.body.material.regions.len() + 1];
     powers.into_iter().fold((0.0, none), |(_, mut sums), (power, scale)| {
-        for (sum, norms) in sums.iter_mut().zip(Memory::of_power(setup, power).norms(horizon)) {
+        for (sum, norms) in sums.iter_mut().zip(norms_of_power(setup, power)) {
             sum.operator += scale * norms.operator;
             sum.entries += scale * norms.entries;
             sum.at_zero += scale * norms.at_zero;

@@ -87,76 +87,53 @@ pub fn cell_regions(
     n: u32,
 ) -> Result<Vec<u8>, SceneError> {
     let mut regions = vec![0; if material.regions.is_empty() { 0 } else { mesh.cell_count() }];
-    let weight = 1.0 / (mesh.dimension + 1) as f64;
-    let centroid = |c: usize| mesh.point(mesh.cell(c), &vec![weight; mesh.dimension + 1]);
+    let centroid = vec![1.0 / (mesh.dimension + 1) as f64; mesh.dimension + 1];
     for (index, region) in material.regions.iter().enumerate() {
-        let condition = match region.place {
-            Place::Where(condition) => condition,
-            Place::Physical(group) => {
-                for (c, region_of_cell) in regions.iter_mut().enumerate() {
-                    if mesh.cell_region[c] == group {
-                        claim(scene, material, (index, "physical"), region_of_cell, || {
-                            format!("the cell {c} of the mesh n = {n}")
-                        })?;
-                    }
+        let name = &region.name;
+        let value = |node, place: [f64; 3]| scene.formulas.evaluate(node, &place.into());
+        let vertices: Vec<f64> = match region.place {
+            Place::Physical(_) => Vec::new(),
+            Place::Where(condition) => (0..mesh.vertices() as u32)
+                .map(|v| value(condition, mesh.point(&[v], &[1.0])))
+                .collect(),
+        };
+        let size = vertices.iter().fold(0.0, |size: f64, value| size.max(value.abs()));
+        for (c, region_of_cell) in regions.iter_mut().enumerate() {
+            let at = mesh.point(mesh.cell(c), &centroid);
+            let place = || at.map(|x| digits(x, 5))[..mesh.dimension].join(", ");
+            let (inside, key) = match region.place {
+                Place::Physical(group) => (mesh.cell_region[c] == group, "physical"),
+                Place::Where(condition) => {
+                    let ends = mesh.cell(c).iter().map(|&v| vertices[v as usize]);
+                    let low = ends.clone().fold(f64::INFINITY, f64::min);
+                    let high = ends.fold(f64::NEG_INFINITY, f64::max);
+                    let middle = value(condition, at);
+                    let place = place();
+                    let [from, to] = [low, high].map(|value| digits(value, 5));
+                    // NaN counts as cut.
+                    let cut = !(low >= -ON_INTERFACE * size || high <= ON_INTERFACE * size);
+                    let message = format_args!(
+                        "on the mesh n = {n} the boundary of region `{name}` cuts the cell at ({place}), where the condition changes from {from} to {to}"
+                    );
+                    let hint = "mesh lines must follow the interface, or the coefficients jump inside cells and order 1 is lost: choose another n, or move the interface onto a mesh line";
+                    let key = format!("material.region.{index}.where");
+                    scene.refuse_if(cut || middle.is_nan(), &key, message, hint)?;
+                    (middle > 0.0, "where")
                 }
+            };
+            if !inside {
                 continue;
             }
-        };
-        let value = |place: [f64; 3]| scene.formulas.evaluate(condition, &place.into());
-        let vertices: Vec<f64> =
-            (0..mesh.vertices() as u32).map(|v| value(mesh.point(&[v], &[1.0]))).collect();
-        let size = vertices.iter().fold(0.0, |size: f64, value| size.max(value.abs()));
-        let key = format!("material.region.{index}.where");
-        for (c, region_of_cell) in regions.iter_mut().enumerate() {
-            let ends = mesh.cell(c).iter().map(|&v| vertices[v as usize]);
-            let (low, high) = ends
-                .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), value| {
-                    (low.min(value), high.max(value))
-                });
-            let [x, y, z] = centroid(c);
-            let place = [x, y, z].map(|x| digits(x, 5))[..mesh.dimension].join(", ");
-            let [from, to] = [low, high].map(|value| digits(value, 5));
-            let middle = value([x, y, z]);
-            let name = &region.name;
-            // NaN counts as cut.
-            let cut = !(low >= -ON_INTERFACE * size || high <= ON_INTERFACE * size);
-            let message = format_args!(
-                "on the mesh n = {n} the boundary of region `{name}` cuts the cell at ({place}), where the condition changes from {from} to {to}"
-            );
-            let hint = "mesh lines must follow the interface, or the coefficients jump inside cells and order 1 is lost: choose another n, or move the interface onto a mesh line";
-            scene.refuse_if(cut || middle.is_nan(), &key, message, hint)?;
-            if middle > 0.0 {
-                claim(scene, material, (index, "where"), region_of_cell, || {
-                    format!("the cell at ({place}) of the mesh n = {n}")
-                })?;
+            let other = usize::from(std::mem::replace(region_of_cell, index as u8 + 1));
+            if let Some(other) = other.checked_sub(1).map(|other| &material.regions[other].name) {
+                let message = format!(
+                    "the cell at ({}) of the mesh n = {n} is in the regions `{other}` and `{name}`",
+                    place()
+                );
+                let key = format!("material.region.{index}.{key}");
+                return Err(scene.error(&key, message, "regions must not overlap"));
             }
         }
     }
     Ok(regions)
-}
-
-/// Gives a cell to a region.
-///
-/// # Errors
-/// Another region has it.
-fn claim(
-    scene: &Scene,
-    material: &Material,
-    (index, key): (usize, &str),
-    region_of_cell: &mut u8,
-    cell: impl Fn() -> String,
-) -> Result<(), SceneError> {
-    if *region_of_cell != 0 {
-        let other = &material.regions[usize::from(*region_of_cell) - 1].name;
-        let message = format!(
-            "{} is in the regions `{other}` and `{}`",
-            cell(),
-            material.regions[index].name
-        );
-        let key = format!("material.region.{index}.{key}");
-        return Err(scene.error(&key, message, "regions must not overlap"));
-    }
-    *region_of_cell = index as u8 + 1;
-    Ok(())
 }

@@ -88,18 +88,52 @@ impl MeshData {
     pub fn rule_check(&self, setup: &Setup) -> Result<&RuleCheck, LoadError> {
         let known = self.rule_check.get_or_init(|| {
             let remainders = self.with_remainders(setup);
-            let interpolated = setup.body.data.is_interpolated();
-            if interpolated && remainders.is_none() {
+            if setup.body.data.is_interpolated() && remainders.is_none() {
                 return Ok(RuleCheck::default());
             }
-            let by = |rules: &TruthRules, next: bool| {
-                let exact = remainders.as_ref().filter(|_| next).or(setup.exact.as_ref());
-                truth(setup, exact, &self.space, None, rules)
-                    .map_err(|error| LoadError::Reference { reason: error.to_string() })
-            };
-            rule_check(setup, &self.space, self.by_scene_rules.clone(), by)
+            self.compared(setup, remainders.as_ref())
         });
         known.as_ref().map_err(Clone::clone)
+    }
+
+    /// Compares the rules: those of the scene with the next ones, by these with error estimates of hereditary integrals, if there
+    /// are any. Fields by the next rules are not kept: their formulas take more memory than the case.
+    ///
+    /// # Errors
+    /// A load or field that is not finite, a mesh on which A cannot be factorized.
+    fn compared(
+        &self,
+        setup: &Setup,
+        remainders: Option<&Arc<Exact>>,
+    ) -> Result<RuleCheck, LoadError> {
+        let space = &self.space;
+        let times = check_times(setup, space.mesh.cell_count());
+        let by = |rules: &TruthRules, exact: Option<&Arc<Exact>>| {
+            truth(setup, exact, space, None, rules)
+                .map_err(|error| LoadError::Reference { reason: error.to_string() })
+        };
+        let loads = |truth: &dyn Truth| -> Result<Vec<Arc<Vec<f64>>>, LoadError> {
+            times.iter().map(|&t| truth.load(t)).collect()
+        };
+        let (element, d, exact) = (space.element, setup.scene.dimension, setup.exact.as_ref());
+        let usual = match &self.by_scene_rules {
+            Some(known) => known.clone(),
+            None => by(&TruthRules::for_element(element, d), exact)?,
+        };
+        let next = || by(&TruthRules::stronger_for(element, d), remainders.or(exact));
+        let mut stronger = next()?;
+        // Moments of a reference run are exact.
+        let compared = times.iter().filter(|_| exact.is_some());
+        let moments = compared.map(|&t| Ok((t, stronger.moments(t)?)));
+        let moments = moments.collect::<Result<_, LoadError>>()?;
+        if matches!(setup.body.data, Data::Exact { form: LoadForm::Strong, .. }) {
+            // Frees the points of the moments before those of the loads are made; in the weak form they are shared.
+            stronger = next()?;
+        }
+        let pairs = [loads(&*usual)?, loads(&*stronger)?];
+        let elastic = elasticity(&setup.body.material);
+        let floors = load_floors(space, &pairs, &elastic, setup.projection_mu())?;
+        Ok(RuleCheck { floors, moments })
     }
 
     /// Runs an external `solve` and compares the rules in parallel.
@@ -200,7 +234,8 @@ fn truth(
         (Data::Loads { body, traction }, _) => {
             let (graph, horizon) = (&setup.scene.formulas, setup.scene.time.horizon);
             let load = GivenLoad::new(graph, horizon, body, traction, space, rules);
-            Arc::new(ReferenceTruth::new(space.clone(), load, reference))
+            let (refinement, moments) = (OnceLock::new(), ByTime::default());
+            Arc::new(ReferenceTruth { space: space.clone(), load, reference, refinement, moments })
         }
         (Data::Exact { .. }, None) => {
             return Err(SetupError::NoTruth { scene: setup.scene.name.clone() });
@@ -234,11 +269,11 @@ pub fn reference_run(setup: &Setup, n: u32, steps: u32, keep_every: u32) -> Resu
 // Loads given as formulas f0, f2, and the reference run that replaces their solution.
 
 /// F(t)(v) = ∫ f0·v + ∫_{Γ2} f2·v on one mesh, a term for the body and one for each side.
-pub(crate) struct GivenLoad(Vec<Term>);
+struct GivenLoad(Vec<Term>);
 
 impl GivenLoad {
     /// The load of `body` and `traction` formulas on `space`.
-    pub(crate) fn new(
+    fn new(
         graph: &Graph,
         horizon: f64,
         body: &[Node],
@@ -336,25 +371,13 @@ impl Term {
 }
 
 /// Given loads on one mesh, with a reference run in place of the exact solution.
-pub(crate) struct ReferenceTruth {
+struct ReferenceTruth {
     space: Arc<Discretization>,
     load: GivenLoad,
     reference: Option<Arc<ReferenceRun>>,
     /// Position of the reference mesh within this one.
     refinement: OnceLock<Result<Refinement, ReferenceError>>,
     moments: ByTime<Moments>,
-}
-
-impl ReferenceTruth {
-    /// Loads of `load`, errors against `reference` (None: the run cannot be measured).
-    pub(crate) fn new(
-        space: Arc<Discretization>,
-        load: GivenLoad,
-        reference: Option<Arc<ReferenceRun>>,
-    ) -> Self {
-        let (refinement, moments) = (OnceLock::new(), ByTime::default());
-        Self { space, load, reference, refinement, moments }
-    }
 }
 
 impl Truth for ReferenceTruth {
@@ -407,49 +430,11 @@ impl RuleCheck {
 }
 
 /// The times at which rules are compared.
-pub(super) fn check_times(setup: &Setup, cells: usize) -> Vec<f64> {
+fn check_times(setup: &Setup, cells: usize) -> Vec<f64> {
     let steps = setup.scene.sweep.as_ref().and_then(|sweep| sweep.steps.iter().max());
     let most = if cells <= FEW { TIMES_ON_FEW } else { TIMES };
     let parts = steps.map_or(most, |&steps| most.min(steps));
     (1..=parts).map(|i| setup.scene.time.horizon * f64::from(i) / f64::from(parts)).collect()
-}
-
-/// Compares the rules; `usual` are loads and fields by the scene's rules, if available, and `truth` makes them by given
-/// rules, the next ones with error estimates of hereditary integrals. Fields by the next rules are not kept: their
-/// formulas take more memory than the case.
-///
-/// # Errors
-/// A load or field that is not finite, a mesh on which A cannot be factorized.
-pub(super) fn rule_check(
-    setup: &Setup,
-    space: &Discretization,
-    usual: Option<Arc<dyn Truth>>,
-    truth: impl Fn(&TruthRules, bool) -> Result<Arc<dyn Truth>, LoadError>,
-) -> Result<RuleCheck, LoadError> {
-    let times = check_times(setup, space.mesh.cell_count());
-    let loads = |truth: &dyn Truth| -> Result<Vec<Arc<Vec<f64>>>, LoadError> {
-        times.iter().map(|&t| truth.load(t)).collect()
-    };
-    let (element, d) = (space.element, setup.scene.dimension);
-    let usual = usual.map_or_else(|| truth(&TruthRules::for_element(element, d), false), Ok)?;
-    let next = || truth(&TruthRules::stronger_for(element, d), true);
-    let mut stronger = next()?;
-    let moments = match setup.exact.is_some() {
-        // Moments of a reference run are exact.
-        false => Vec::new(),
-        true => {
-            let at = |&t: &f64| Ok((t, stronger.moments(t)?));
-            times.iter().map(at).collect::<Result<_, LoadError>>()?
-        }
-    };
-    if matches!(setup.body.data, Data::Exact { form: LoadForm::Strong, .. }) {
-        // Frees the points of the moments before those of the loads are made; in the weak form they are shared.
-        stronger = next()?;
-    }
-    let pairs = [loads(&*usual)?, loads(&*stronger)?];
-    let elastic = elasticity(&setup.body.material);
-    let floors = load_floors(space, &pairs, &elastic, setup.projection_mu())?;
-    Ok(RuleCheck { floors, moments })
 }
 
 /// Floors from load vectors at equal times by two rules; `elasticity` and `mu` are the scene's.

@@ -30,15 +30,15 @@ pub use material::{cell_regions, elasticity, memory_tensor};
 pub use mesh_data::{MeshData, RuleCheck, TruthLoad, reference_run, side_numbers};
 pub use regularity::{abstract_regularity, sides};
 pub use subject::{NewtonMarch, Scheme, StepRemark, Subject, check_step_sizes, subject_bounds};
-pub use trace_constant::{
-    TraceConstant, trace_cells, trace_constant, weight_by_side, weighted_trace_constant,
-};
+pub use trace_constant::{TraceConstant, trace_cells, weight_by_side, weighted_trace_constant};
 pub use yield_slope::{YieldSlope, ZetaFrom};
 
-use crate::{Body, Contact, ContactScene, Data, Scene, SceneError, Shape, Side};
+use crate::{Body, Contact, ContactScene, Data, Domain, Scene, SceneError, Shape, Side};
 use algebra::linalg::EigenError;
 use exact::{ComplianceRule, ContactFormulas, Exact, ExactData, FrictionFormulas};
 use fem::contact::{Boundary, BoundaryRule, CaseError, Discretization, MemoryTerm, Model};
+use fem::mesh::Mesh;
+use fem::space::Element;
 use formula::Node;
 use vhi::finite::FiniteError;
 use vhi::history::{FastConvolution, TimeGrid};
@@ -108,10 +108,7 @@ impl Setup {
     /// A cell that the boundary of a region cuts.
     pub fn space(&self, n: u32) -> Result<Arc<Discretization>> {
         let ContactScene { domain, material, element, .. } = &self.body;
-        let [clamped, symmetry, contact] =
-            [&domain.clamped, &domain.held(), &domain.contact].map(|sides| side_numbers(sides));
-        let sides = [&clamped[..], &symmetry, &contact];
-        let mut space = Discretization::with_symmetry(*element, domain.mesh(n), sides);
+        let mut space = discretized(domain, *element, domain.mesh(n));
         space.regions = material::cell_regions(&self.scene, material, &space.mesh, n)?;
         Ok(Arc::new(space))
     }
@@ -199,6 +196,13 @@ impl Setup {
     }
 }
 
+/// V^h on a mesh.
+fn discretized(domain: &Domain, element: Element, mesh: Mesh) -> Discretization {
+    let sides = [&domain.clamped, &domain.held(), &domain.contact].map(|sides| side_numbers(sides));
+    let [clamped, symmetry, contact] = &sides;
+    Discretization::with_symmetry(element, mesh, [clamped, symmetry, contact])
+}
+
 fn projection(scene: &Scene, body: &ContactScene) -> Option<VonMises<YieldFormula>> {
     let written = body.material.projection.as_ref().filter(|projection| projection.mu > 0.0)?;
     let limit = YieldFormula::new(&scene.formulas, written.kappa);
@@ -261,10 +265,7 @@ fn exact(scene: &Scene, body: &ContactScene) -> Option<Exact> {
         material: numbers,
         regions,
         kernels: material.memory.iter().map(|memory| memory.kernel).collect(),
-        inner: {
-            let terms = material.memory.iter().enumerate();
-            terms.filter_map(|(i, memory)| Some((i, memory.inner?))).collect()
-        },
+        inner: (0..).zip(&material.memory).filter_map(|(i, term)| Some((i, term.inner?))).collect(),
         kappa: projection.map(|projection| projection.kappa),
         contact,
         horizon: scene.time.horizon,

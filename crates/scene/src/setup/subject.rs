@@ -46,10 +46,7 @@ impl Subject {
 
     /// Whether the exact solution is known; otherwise a reference run is needed.
     pub fn has_exact(&self) -> bool {
-        match self {
-            Self::Contact(setup) => setup.exact.is_some(),
-            Self::Abstract(_) => true,
-        }
+        !matches!(self, Self::Contact(setup) if setup.exact.is_none())
     }
 }
 

@@ -8,9 +8,9 @@
 use std::f64::consts::{PI, SQRT_2};
 use std::sync::{Arc, Mutex, PoisonError};
 
-use super::{Result, SetupError, side_numbers};
+use super::{Result, SetupError, discretized};
 use crate::{Domain, Shape, Side};
-use fem::contact::{Discretization, TraceMass, TracePart, weighted_trace_constants};
+use fem::contact::{TraceMass, TracePart, weighted_trace_constants};
 use fem::mesh::{BoundaryFacet, CoarseMesh, Family, lattice};
 use fem::space::Element;
 use vhi::law::TensorField;
@@ -106,12 +106,8 @@ fn attains(value: f64, bound: f64) -> bool {
 /// What the constants of a domain depend on.
 #[derive(Clone, PartialEq)]
 struct Asked {
-    shape: Shape,
-    size: Vec<f64>,
-    clamped: Vec<u32>,
-    /// With the sides of bilateral contact.
-    symmetry: Vec<u32>,
-    contact: Vec<u32>,
+    /// Contact on the sides that count.
+    domain: Domain,
     /// Factors of the squares on the contact sides; empty means one.
     weights: Vec<f64>,
     tensor: TensorField,
@@ -124,19 +120,6 @@ static KNOWN: Mutex<Vec<(Asked, Answer)>> = Mutex::new(Vec::new());
 /// Only so many are kept.
 const KEPT: usize = 64;
 
-/// The constant of a domain with contact for a tensor that is the same everywhere: the identity for c_j² and c_τ². Where
-/// contact is bilateral, c_j² = 0, and c_τ² is that of the space with u_ν = 0.
-///
-/// # Errors
-/// A stiffness matrix that cannot be factorized.
-pub fn trace_constant(
-    domain: &Domain,
-    tensor: &TensorField,
-    part: TracePart,
-) -> Result<TraceConstant> {
-    weighted_trace_constant(domain, tensor, part, &[])
-}
-
 /// The factor of each side by its number; of all of them 1, if none is given.
 pub fn weight_by_side(weights: &[(Side, f64)]) -> impl Fn(u32) -> f64 + Sync + '_ {
     move |side| match weights {
@@ -145,10 +128,12 @@ pub fn weight_by_side(weights: &[(Side, f64)]) -> impl Fn(u32) -> f64 + Sync + '
     }
 }
 
-/// The same of Σ c_i ‖v_ν‖² over the given contact sides, c_i > 0; of all of them, c_i = 1, if none is given.
+/// The constant of a domain with contact for a tensor that is the same everywhere: the identity for c_j² and c_τ². Where
+/// contact is bilateral, c_j² = 0, and c_τ² is that of the space with u_ν = 0. Of Σ c_i ‖v_ν‖² over the given contact sides,
+/// c_i > 0; of all of them, c_i = 1, if none is given.
 ///
 /// # Errors
-/// As [`trace_constant`].
+/// A stiffness matrix that cannot be factorized.
 pub fn weighted_trace_constant(
     domain: &Domain,
     tensor: &TensorField,
@@ -158,22 +143,15 @@ pub fn weighted_trace_constant(
     if domain.bilateral && part == TracePart::Normal {
         return Ok(TraceConstant::ZERO);
     }
-    let mut domain = domain.clone();
+    let (mesh, traction) = (Family::Structured, Vec::new());
+    let mut domain = Domain { mesh, traction, ..domain.clone() };
     if !weights.is_empty() {
         domain.contact = weights.iter().map(|(side, _)| *side).collect();
     }
     let alike = weights.iter().all(|(_, weight)| *weight == 1.0);
     let weights = if alike { &[] } else { weights };
-    let asked = Asked {
-        shape: domain.shape.clone(),
-        size: domain.size.clone(),
-        clamped: side_numbers(&domain.clamped),
-        symmetry: side_numbers(&domain.held()),
-        contact: side_numbers(&domain.contact),
-        weights: weights.iter().map(|(_, weight)| *weight).collect(),
-        tensor: tensor.clone(),
-        part,
-    };
+    let weights = weights.iter().map(|(_, weight)| *weight).collect();
+    let asked = Asked { domain, weights, tensor: tensor.clone(), part };
     let answer = {
         let mut known = KNOWN.lock().unwrap_or_else(PoisonError::into_inner);
         let found =
@@ -194,7 +172,7 @@ pub fn weighted_trace_constant(
         None => {
             // Proved of c_j² alone.
             let is_c_j = alike && part == TracePart::Normal && *tensor == TensorField::identity();
-            let bound = domain.depth_under_contact().filter(|_| is_c_j);
+            let bound = asked.domain.depth_under_contact().filter(|_| is_c_j);
             Ok(answer.insert(TraceConstant::new(asked.values(bound)?, bound)).clone())
         }
     }
@@ -203,7 +181,7 @@ pub fn weighted_trace_constant(
 impl Asked {
     /// On each space, up to one that attains the bound.
     fn values(&self, bound: Option<f64>) -> Result<Vec<(usize, f64)>> {
-        let mut coarse = coarse(&self.shape, &self.size);
+        let mut coarse = coarse(&self.domain);
         // The constant is a length: computed in a unit near to that of the domain, a power of two.
         let unit = coarse.longest_edge().log2().floor().exp2();
         coarse.vertices.iter_mut().flatten().for_each(|x| *x /= unit);
@@ -215,11 +193,10 @@ impl Asked {
         for (element, n) in spaces(coarse.count(), coarse.dimension) {
             let mesh = coarse.refined(n, Family::Structured);
             let cells = mesh.cell_count();
-            let sides = [&self.clamped[..], &self.symmetry, &self.contact];
-            let space = Discretization::with_symmetry(element, mesh, sides);
+            let space = discretized(&self.domain, element, mesh);
             let square = [(self.part, TraceMass::Consistent)];
             let weight = |side: u32| {
-                let at = self.contact.iter().position(|known| *known == side);
+                let at = self.domain.contact.iter().position(|known| known.0 == side);
                 at.and_then(|at| self.weights.get(at)).copied().unwrap_or(1.0)
             };
             let [found] = weighted_trace_constants(&space, &self.tensor, square, &weight)
@@ -273,9 +250,9 @@ impl Asked {
             }
         }
         let mut around: Vec<Vec<[bool; 3]>> = vec![Vec::new(); angle.len()];
+        let lists = [&self.domain.clamped, &self.domain.held(), &self.domain.contact];
         for BoundaryFacet { corners, side, .. } in &mesh.facets {
-            let lists = [&self.clamped, &self.symmetry, &self.contact];
-            let what = lists.map(|list| list.contains(side));
+            let what = lists.map(|list| list.contains(&Side(*side)));
             corners.iter().for_each(|&v| around[v as usize].push(what));
         }
         let exponent = |v: usize| {
@@ -322,11 +299,11 @@ fn spaces(coarse: usize, dimension: usize) -> Vec<(Element, u32)> {
 }
 
 /// The simplices of a domain: those it has, or of a box as few as fill it with cells that are not much longer than wide.
-fn coarse(shape: &Shape, size: &[f64]) -> CoarseMesh {
+fn coarse(Domain { shape, size, .. }: &Domain) -> CoarseMesh {
     if let Shape::Refined(coarse) = shape {
         return CoarseMesh::clone(coarse);
     }
-    let mesh = match *size {
+    let mesh = match size[..] {
         [a, b, c] => {
             let unit = a.min(b).min(c).max((6.0 / IN_SPACE * a * b * c).cbrt());
             let mut mesh = lattice([a / unit, b / unit, c / unit], 1, Family::Structured);

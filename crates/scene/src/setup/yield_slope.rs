@@ -33,22 +33,17 @@ impl YieldSlope {
     /// How the number was obtained.
     pub fn how(&self) -> String {
         let zeta = digits(self.zeta, 5);
-        match self.from {
+        let of = match self.from {
             ZetaFrom::Everywhere if self.lipschitz.is_finite() => {
-                "proved: bound of |kappa'| for all zeta >= 0".into()
+                return "proved: bound of |kappa'| for all zeta >= 0".into();
             }
             ZetaFrom::Everywhere => {
-                "kappa is not Lipschitz, or no zeta is known up to which".into()
+                return "kappa is not Lipschitz, or no zeta is known up to which".into();
             }
-            ZetaFrom::Exact => format!(
-                "proved for zeta <= {zeta}, twice the zeta of the exact solution; a run beyond fails"
-            ),
-            ZetaFrom::Loads => {
-                format!(
-                    "proved for zeta <= {zeta}, twice the zeta of a coarse run; a run beyond fails"
-                )
-            }
-        }
+            ZetaFrom::Exact => "the exact solution",
+            ZetaFrom::Loads => "a coarse run",
+        };
+        format!("proved for zeta <= {zeta}, twice the zeta of {of}; a run beyond fails")
     }
 }
 
