@@ -45,12 +45,7 @@ const KNOWN: &[(&str, &str, usize, &str)] = &[
         2,
         "an element names its rules, and a rule for its products asks for its degree",
     ),
-    (
-        "judge",
-        "fit/screen",
-        3,
-        "a level is screened, and a point may be left out because it is no level",
-    ),
+    ("fit", "screen", 3, "a level is screened, and a point may be left out because it is no level"),
     (
         "report",
         "document",

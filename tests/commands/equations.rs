@@ -5,7 +5,9 @@
 //!   the page anew.
 
 use std::collections::{BTreeMap, BTreeSet};
-use std::path::{Path, PathBuf};
+use std::path::Path;
+
+use crate::program::files_below;
 
 /// What the paper states where, for the numbers that the code names.
 const STATED: &[(&str, &str)] = &[
@@ -81,17 +83,6 @@ const STATED: &[(&str, &str)] = &[
     ("5.26", "the error estimate, order h + k²"),
 ];
 
-fn rust_files(folder: &Path, found: &mut Vec<PathBuf>) {
-    for entry in std::fs::read_dir(folder).expect("a folder") {
-        let path = entry.expect("an entry").path();
-        if path.is_dir() {
-            rust_files(&path, found);
-        } else if path.extension().is_some_and(|end| end == "rs") {
-            found.push(path);
-        }
-    }
-}
-
 /// Numbers in parentheses in the comments of a text, sections 2 to 5; decimals like (2.05) are none.
 fn numbers(text: &str) -> BTreeSet<String> {
     let comments = text.lines().filter(|line| line.trim_start().starts_with("//"));
@@ -110,10 +101,8 @@ fn numbers(text: &str) -> BTreeSet<String> {
 /// Files by number, without those of tests.
 fn places() -> BTreeMap<String, BTreeSet<String>> {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
-    let mut files = Vec::new();
-    ["crates", "src"].iter().for_each(|folder| rust_files(&root.join(folder), &mut files));
     let mut places: BTreeMap<String, BTreeSet<String>> = BTreeMap::new();
-    for file in files {
+    for file in ["crates", "src"].iter().flat_map(|folder| files_below(&root.join(folder), "rs")) {
         let name = file.strip_prefix(root).expect("below the root").display().to_string();
         if name.contains("tests") {
             continue;

@@ -4,9 +4,11 @@
 //!   shipped scene is cited and predicts something if it is judged; the scanner itself is shown to catch violations.
 //! Data: the files under crates/, src/ and manufactured/.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use scene::{Registry, Scene};
+
+use crate::program::files_below;
 
 /// What each crate may know, and the order of its modules: each imports those before it. The compiler sees to it that no
 /// crate names another; this table, that nobody adds one to a Cargo.toml in passing.
@@ -188,20 +190,6 @@ fn root() -> PathBuf {
     PathBuf::from(env!("CARGO_MANIFEST_DIR"))
 }
 
-fn files(folder: &Path, ending: &str) -> Vec<PathBuf> {
-    let mut found = Vec::new();
-    for entry in std::fs::read_dir(folder).expect("a folder") {
-        let path = entry.expect("an entry").path();
-        if path.is_dir() {
-            found.extend(files(&path, ending));
-        } else if path.extension().is_some_and(|found| found == ending) {
-            found.push(path);
-        }
-    }
-    found.sort();
-    found
-}
-
 /// A file of a crate.
 pub(crate) struct Source {
     pub(crate) path: String,
@@ -217,7 +205,7 @@ pub(crate) fn sources() -> Vec<Source> {
     let crates =
         HOUSE.iter().map(|(name, ..)| (*name, root().join("crates").join(name).join("src")));
     for (of, src) in crates.chain([("src", root().join("src"))]) {
-        for path in files(&src, "rs") {
+        for path in files_below(&src, "rs") {
             let below = path.strip_prefix(&src).expect("below src");
             let parts: Vec<String> =
                 below.components().map(|c| c.as_os_str().to_string_lossy().into_owned()).collect();
@@ -264,7 +252,7 @@ fn the_two_commands_share_one_build_of_their_dependencies() {
 
 #[test]
 fn crates_know_what_the_table_says() {
-    let mut folders: Vec<PathBuf> = files(&root().join("crates"), "toml");
+    let mut folders: Vec<PathBuf> = files_below(&root().join("crates"), "toml");
     folders.retain(|path| path.ends_with("Cargo.toml"));
     assert_eq!(folders.len(), HOUSE.len(), "{folders:?}");
     for (name, known, _) in HOUSE {
@@ -281,49 +269,6 @@ fn crates_know_what_the_table_says() {
         let place = |name: &str| HOUSE.iter().position(|(other, ..)| *other == name);
         assert!(known.iter().all(|known| place(known) < place(name)), "{name}");
     }
-}
-
-/// What scenes can name, by the newest of its kind, and the files that name it: the side of the solver, that of the truth
-/// where there is one, and one that reads scenes. A further one touches no other.
-const PLUG_INS: [(&str, &[&str]); 4] = [
-    ("::P2", &["crates/fem/src/space/elements.rs", "crates/scene/src/setup/trace_constant.rs"]),
-    (
-        "Gregory {",
-        &[
-            "crates/run/src/leading_error/sums.rs",
-            "crates/scene/src/time.rs",
-            "crates/vhi/src/history/gregory.rs",
-        ],
-    ),
-    ("Slip(", &["crates/exact/src/friction.rs", "crates/scene/src/friction.rs"]),
-    (
-        "Rational {",
-        &["crates/exact/src/curve.rs", "crates/scene/src/law.rs", "crates/vhi/src/law/curve.rs"],
-    ),
-];
-
-/// Files whose code, without comments and tests, has a text.
-fn with<'a>(all: &'a [Source], what: &str) -> Vec<&'a str> {
-    let has = |source: &&Source| {
-        let code = source.text.split("#[cfg(test)]").next().unwrap_or("");
-        !source.path.contains("/tests")
-            && without_comments(code).iter().any(|line| line.contains(what))
-    };
-    let mut found: Vec<&str> = all.iter().filter(has).map(|source| source.path.as_str()).collect();
-    found.sort_unstable();
-    found
-}
-
-#[test]
-fn a_law_a_rule_and_an_element_are_named_where_the_table_says() {
-    let mut all = sources();
-    for (what, places) in PLUG_INS {
-        assert_eq!(with(&all, what), places, "{what}");
-    }
-    let text = String::from("match rule { Gregory { .. } => 1.0, _ => 2.0 }");
-    let (path, of, module) = ("crates/judge/src/fit.rs".into(), "judge".into(), "fit".into());
-    all.push(Source { path, of, module, depth: 1, text });
-    assert_ne!(with(&all, PLUG_INS[1].0), PLUG_INS[1].1);
 }
 
 #[test]
@@ -409,7 +354,7 @@ fn shipped_scenes_are_complete() {
     let folder = root().join("manufactured");
     let registry = Registry::open(&folder).expect("scenes");
     let names: Vec<&str> = registry.names().collect();
-    assert_eq!(names.len(), files(&folder, "toml").len());
+    assert_eq!(names.len(), files_below(&folder, "toml").len());
     assert!(names.len() >= 13, "{names:?}");
     for name in names {
         let scene = registry.load(name).unwrap_or_else(|error| panic!("{error}"));

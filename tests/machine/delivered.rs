@@ -4,7 +4,7 @@
 use std::fs::File;
 use std::process::{Command, Stdio};
 
-use crate::program::{Folder, code, command, refuses, stderr, sweep};
+use crate::program::{Folder, code, command, files_below, refuses, stderr, sweep};
 use crate::shipped::{edited, text};
 
 /// A command and its exit code where its output is read.
@@ -126,23 +126,13 @@ fn files_are_written_all_the_same() {
 /// One place writes to stdout, one to stderr: the macros end a program whose stderr is on a full disk.
 #[test]
 fn nothing_else_prints() {
-    fn sources(folder: &std::path::Path, found: &mut Vec<std::path::PathBuf>) {
-        for entry in std::fs::read_dir(folder).expect("a folder") {
-            let path = entry.expect("an entry").path();
-            match path.is_dir() {
-                true => sources(&path, found),
-                false => found.push(path),
-            }
-        }
-    }
-    let mut found = Vec::new();
-    for folder in ["src", "crates"] {
-        sources(&std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join(folder), &mut found);
-    }
+    let root = std::path::Path::new(env!("CARGO_MANIFEST_DIR"));
+    let found = ["src", "crates"].iter().flat_map(|folder| files_below(&root.join(folder), "rs"));
+    let found: Vec<std::path::PathBuf> = found.collect();
     assert!(found.len() > 100);
     let is_source = |path: &&std::path::PathBuf| {
         let name = path.display().to_string();
-        name.ends_with(".rs") && !name.ends_with("tests.rs") && !name.contains("/tests/")
+        !name.ends_with("tests.rs") && !name.contains("/tests/")
     };
     for path in found.iter().filter(is_source) {
         let text = std::fs::read_to_string(path).expect("a source");

@@ -7,7 +7,7 @@
 use std::path::Path;
 use std::process::Command;
 
-use crate::program::{Folder, repository};
+use crate::program::{Folder, files_below, repository};
 
 /// A numbers' rounding on another machine: nothing printed has more than five digits, and what is below this is rounding.
 const DIGITS: f64 = 1e-3;
@@ -81,23 +81,11 @@ fn printed(folder: &Path, arguments: &[&str]) -> String {
 fn sources() -> &'static str {
     static TEXT: std::sync::OnceLock<String> = std::sync::OnceLock::new();
     TEXT.get_or_init(|| {
-        let mut text = String::new();
-        for folder in ["src", "crates"] {
-            read_below(&Path::new(env!("CARGO_MANIFEST_DIR")).join(folder), &mut text);
-        }
-        text
+        let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+        let files =
+            ["src", "crates"].iter().flat_map(|folder| files_below(&root.join(folder), "rs"));
+        files.map(|path| std::fs::read_to_string(path).expect("a source")).collect()
     })
-}
-
-fn read_below(folder: &Path, text: &mut String) {
-    for entry in std::fs::read_dir(folder).expect("a folder") {
-        let path = entry.expect("an entry").path();
-        if path.is_dir() {
-            read_below(&path, text);
-        } else if path.extension().is_some_and(|ending| ending == "rs") {
-            *text += &std::fs::read_to_string(&path).expect("a source");
-        }
-    }
 }
 
 /// Words of a message between what varies that stand in no string of the program.
