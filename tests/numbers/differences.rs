@@ -1,4 +1,4 @@
-//! Tangents against differences of the residual, and orders by least squares.
+//! Tangents against differences of the residual.
 
 use vhi::StepInequality;
 
@@ -23,15 +23,4 @@ pub fn mismatch(problem: &mut impl StepInequality, u: &[f64], d: &[f64]) -> f64 
     let off: f64 = x.iter().zip(d).map(|(x, d)| (x - d).powi(2)).sum();
     let size: f64 = d.iter().map(|d| d * d).sum();
     (off / size).sqrt()
-}
-
-/// The slope of log(error) over log(step) by least squares.
-pub fn order(steps: &[f64], errors: &[f64]) -> f64 {
-    assert!(errors.iter().all(|e| e.is_finite() && *e > 0.0), "{errors:?}");
-    let (x, y): (Vec<f64>, Vec<f64>) =
-        steps.iter().zip(errors).map(|(h, e)| (h.ln(), e.ln())).unzip();
-    let mean = |list: &[f64]| list.iter().sum::<f64>() / list.len() as f64;
-    let (mx, my) = (mean(&x), mean(&y));
-    let product: f64 = x.iter().zip(&y).map(|(x, y)| (x - mx) * (y - my)).sum();
-    product / x.iter().map(|x| (x - mx).powi(2)).sum::<f64>()
 }

@@ -35,7 +35,6 @@ mod laws;
 mod load_totals;
 mod loads;
 mod materials;
-mod moving_obstacle;
 mod nested;
 mod newton;
 mod oblique;
@@ -55,8 +54,6 @@ mod static_friction;
 mod step_size;
 mod symmetry;
 mod tangent;
-mod three_dimensions;
-mod time_rules;
 mod trace_constants;
 mod trade;
 #[path = "../turned/mod.rs"]
