@@ -1,14 +1,14 @@
-//! Source: section 5 of the paper with 𝒜 and ℬ of any form that (5.3), (5.4) allow; closed forms derived here.
+//! Source: section 5 of the paper with 𝒜 and ℬ of any form that (5.3), (5.4) allow.
 //! Goal: layers, anisotropic tensors, kernels by name and memory by bulk and shear are solved and judged right; regions,
 //!   entries, kernels and times are told apart by tests/numbers/keys.
 //! Data: the scenes `layered`, `layered-in-space`, `orthotropic`, `prony`, `power-law`, `bulk-shear` at gate size.
 
-mod closed_forms;
 mod physical;
 mod solver;
 
 use crate::samples::sample;
 use crate::shipped::{edited, setup, setup_of, text};
+use exact::constitutive::stress;
 use exact::{Exact, ExactData, Status, check};
 use scene::setup::{constants, sides};
 
@@ -59,13 +59,16 @@ fn samples_bear_out_the_constants_of_every_material() {
         let mut small = declared.clone();
         (small.m_a, small.l_a) = (2.0 * declared.m_a, 0.4 * declared.l_a);
         (small.alpha_phi, small.memory.operator) = (0.2 * declared.alpha_phi, 0.0);
+        (small.beta_phi, small.lipschitz_kappa) = (0.9, 0.9 * declared.lipschitz_kappa);
         let rows = sample(&setup, &small, &space);
         let refuted = |what: &str| {
             rows.iter().any(|row| row.statement.source == what && row.reason().is_some())
         };
         assert!(refuted("(2.5b): -m_A") && refuted("L_A"), "{name}: {rows:?}");
         let projects = setup.model.projection.is_some();
-        assert!(!projects || refuted("(2.7b): alpha_phi, same y"), "{name}: {rows:?}");
+        for what in ["(2.7b): alpha_phi, same y", "(2.7b): beta_phi, same u", "L_kappa"] {
+            assert!(!projects || refuted(what), "{name}: {what}: {rows:?}");
+        }
         let remembers = name != "orthotropic";
         assert_eq!(refuted("Lipschitz constant of S"), remembers, "{name}: {rows:?}");
     }
@@ -111,4 +114,20 @@ fn meshes_that_do_not_fit_the_regions_are_refused() {
         "[[material.region]]\nname = \"right\"\nwhere = \"x - 0.5\"\nE = 1.0\nnu = 0.3\n\n[exact]";
     let twice = refusal(edited(&text("layered"), "[exact]", second), 4);
     assert!(twice.contains("in the regions `stiff` and `right`"), "{twice}");
+}
+
+/// In space: one entry of Mandel's matrix at a time, for a strain with one component.
+#[test]
+fn mandel_entries_in_space_stand_for_the_right_components() {
+    let mut material = setup("orthotropic").exact.as_ref().expect("exact").data.material.clone();
+    // σ_xx from 2 ε_xz, and σ_yz from ε_zz: entries (1, 5) and (4, 3).
+    let mut matrix = [[0.0; 6]; 6];
+    (matrix[0][4], matrix[3][2]) = (std::f64::consts::SQRT_2, std::f64::consts::SQRT_2);
+    material.full = Some(matrix);
+    let mut strain = [[0.0; 3]; 3];
+    (strain[0][2], strain[2][0], strain[2][2]) = (0.5, 0.5, 3.0);
+    let found = stress(&material, &strain, &[], f64::INFINITY);
+    // √2·√2 ε_xz, and √2 σ_yz = √2 ε_zz.
+    assert!((found[0][0] - 1.0).abs() < 1e-14 && (found[1][2] - 3.0).abs() < 1e-14, "{found:?}");
+    assert!((found[2][1] - 3.0).abs() < 1e-14 && found[1][1].abs() < 1e-14, "{found:?}");
 }

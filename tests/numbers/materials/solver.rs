@@ -9,7 +9,7 @@ use vhi::law::{AnyProjection, ExponentialSum, FourthOrder, Isotropic, TensorFiel
 
 use crate::differences;
 use crate::judged::record;
-use crate::shipped::{on_mesh, setup, setup_of, text};
+use crate::shipped::{on_mesh, setup};
 use crate::wrong::Limit;
 
 const SOFT: Isotropic = Isotropic { lambda: 0.4, mu: 0.7 };
@@ -174,37 +174,4 @@ fn absent_terms_cost_nothing() {
     // Equal kernels in different regions are one term.
     assert_eq!(setup("layered").model.memory.len(), 1);
     assert!(setup("viscoelastic").space(4).expect("a space").regions.is_empty());
-}
-
-/// A box with a layer and an orthotropic block, to the end of `solve`.
-#[test]
-fn layers_and_orthotropic_blocks_in_space() {
-    let box_with = |region: &str| {
-        let text =
-            text("punch-box").replace("[material.memory]", &format!("{region}\n[material.memory]"));
-        setup_of(text)
-    };
-    let pressed = |setup: &scene::setup::Setup| {
-        let data = on_mesh(setup, 2);
-        let mut last = Vec::new();
-        setup
-            .scheme
-            .march(setup, &data, 2, &mut |view| {
-                last = view.u.to_vec();
-                Ok(())
-            })
-            .unwrap_or_else(|error| panic!("{error}"));
-        last
-    };
-    let base = pressed(&setup("punch-box"));
-    let half = |numbers: &str| {
-        format!("[[material.region]]\nname = \"half\"\nwhere = \"x - 0.5\"\n{numbers}\n")
-    };
-    let same = pressed(&box_with(&half("lambda = 1.0\nmu_L = 1.0")));
-    assert!(distance(&base, &same) < 1e-9, "{:e}", distance(&base, &same));
-    let orthotropic = "elasticity = { kind = \"orthotropic\", normal = [3.0, 3.0, 3.0], coupling = [1.0, 1.0, 1.0], shear = [1.0, 1.0, 1.0] }";
-    let same = pressed(&box_with(&half(orthotropic)));
-    assert!(distance(&base, &same) < 1e-9, "{:e}", distance(&base, &same));
-    let other = pressed(&box_with(&half(&orthotropic.replace("shear = [1.0, ", "shear = [2.0, "))));
-    assert!(distance(&base, &other) > 1e-4, "{:e}", distance(&base, &other));
 }
