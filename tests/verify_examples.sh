@@ -161,10 +161,7 @@ for scene in viscoelastic state-grazing; do
     assembled "facets take point 2 of their rule alone" "$scene" 's/^        # Barycentric/        if name == "facet":\n            rule[:, -1] = np.arange(len(rule)) == 2\n&/'
 done
 
-echo "friction by coordinate descent: the values that the tests compare with"
-"$python" tests/independent/tresca.py 8 6 tests/fixtures/tresca.json
-
-echo "friction that follows pressure or slip, and vectors of it in space, vertex after vertex: likewise"
+echo "friction that follows pressure or slip, and vectors of it in space, vertex after vertex: the values that the tests compare with"
 "$python" tests/independent/friction.py tests/fixtures/friction.json
 for coefficient in coulomb box-coulomb; do
     halved="import friction; friction.CASES['$coefficient'].coefficient /= 2; friction.main()"

@@ -1,49 +1,15 @@
 //! Source: -σ_τ ∈ S ∂|u_τ| with S = μ_f p(u_ν); the sharp form of (2.9) for it, docs/CONTACT-LAWS.md.
-//! Goal: the entries of the Jacobian are differences of the residual, and only the way to the solution depends on them; the
-//!   constants bound what they must. Wrong bounds: docs/SABOTAGE.md.
+//! Goal: the entries of the Jacobian are differences of the residual; the constants bound what they must. Wrong bounds: docs/SABOTAGE.md.
 //! Mesh: n × n squares cut from lower left to upper right.
 //! Data: friction-coulomb.
 
 use crate::judged::{errors, foreseen};
-use crate::shipped::{edited, on_mesh, refusal, run, setup, setup_of, text};
-use crate::wrong::{as_level, solver};
+use crate::shipped::{edited, on_mesh, refusal, setup, setup_of, text};
 use algebra::linalg::signed_unit;
-use fem::contact::{Evolution, StepView};
+use fem::contact::Evolution;
 use scene::setup::{Coulomb, Setup, Subject, TruthLoad, constants};
 use scene::{Direction, Norm};
-use vhi::{BoundaryGraph, HistoryInequality, Newton, OpenInequality, StepInequality};
-
-/// A level that is not told the pressures of its pieces.
-struct Deaf<'p>(&'p mut dyn OpenInequality);
-
-impl StepInequality for Deaf<'_> {
-    as_level!(0: dofs graph residual linearize solve force_scale);
-}
-
-/// Some iterations more, and the same displacements: a tangent is no part of the problem.
-#[test]
-fn a_symmetric_tangent_finds_the_same_later() {
-    let setup = setup("friction-coulomb");
-    let (data, grid) = (on_mesh(&setup, 8), setup.grid(8));
-    let mut found: [Vec<f64>; 2] = Default::default();
-    let whole = run(&setup, &setup.model, &data, 8, |view| found[0] = view.u.to_vec());
-    let mut load = TruthLoad(&*data.truth);
-    let mut see = |view: &StepView<'_>| {
-        found[1] = view.u.to_vec();
-        Ok(())
-    };
-    // Newton's method with the symmetric part of the Jacobian alone.
-    let solver = solver(|problem: &mut dyn OpenInequality, state: &mut _, scratch: &mut _| {
-        Newton::default().solve(&mut Deaf(problem), state, scratch)
-    });
-    let part = fem::contact::march(&data.space, &setup.model, &grid, &mut load, &solver, &mut see);
-    let [whole, part] = [whole, part].map(|info| info.expect("a run").newton_iterations);
-    let largest = found[0].iter().fold(0.0f64, |m, v| m.max(v.abs()));
-    // Two solutions with residuals of rounding.
-    assert!(found[0].iter().zip(&found[1]).all(|(a, b)| (a - b).abs() < 1e-11 * largest));
-    // Nine levels: a few more iterations in each.
-    assert!(part > whole + 9, "{part} iterations without the entries, {whole} with them");
-}
+use vhi::{BoundaryGraph, HistoryInequality, StepInequality};
 
 /// Unbalanced forces at u, each graph on the side of its jump where u is.
 fn force(level: &mut Evolution<'_>, u: &[f64]) -> Vec<f64> {

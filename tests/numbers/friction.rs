@@ -1,24 +1,18 @@
-//! Source: -σ_τ ∈ S ∂|u_τ| as φ of Problem 1; tests/fixtures/tresca.json by tests/independent/tresca.py, which knows
-//!   nothing of this program.
-//! Goal: friction is what another program finds; the KKT rows, the slopes, the constants and the refusals are what they say.
-//!   A wrong sign, bound or stick set: docs/SABOTAGE.md.
-//! Mesh: n × n squares cut from lower left to upper right; the same turned by an angle.
-//! Data: the scenes friction-…, and a block that is pulled along a layer.
+//! Source: -σ_τ ∈ S ∂|u_τ| as φ of Problem 1.
+//! Goal: the bound at a jump, the slopes and the refusals are what they say. What another program finds:
+//!   friction_independent.rs. A wrong sign, bound or stick set: docs/SABOTAGE.md.
+//! Mesh: n × n squares cut from lower left to upper right.
+//! Data: the scenes friction-….
 
-use crate::program::repository;
 use std::sync::Arc;
 
 use crate::coulomb::Slipping;
-use crate::shipped::{edited, fixture, on_mesh, refusal, run, setup, setup_of, text};
-use fem::contact::{Friction, StepView, TraceMass, TracePart, trace_constants};
-use scene::setup::{Setup, constants};
+use crate::shipped::{edited, on_mesh, refusal, run, setup, text};
+use fem::contact::{Friction, StepView};
+use scene::setup::Setup;
 use studies::diagnose::diagnose;
 use studies::theory::audit::audit;
-use vhi::law::{PiecewiseLinear, TensorField};
-
-fn independent() -> Setup {
-    setup_of(repository("tests/independent/tresca.toml"))
-}
+use vhi::law::PiecewiseLinear;
 
 /// u and s of the last level.
 fn last(setup: &Setup, n: u32, steps: u32) -> (Vec<f64>, Vec<f64>) {
@@ -26,35 +20,6 @@ fn last(setup: &Setup, n: u32, steps: u32) -> (Vec<f64>, Vec<f64>) {
     let see = |view: &StepView<'_>| seen = (view.u.to_vec(), view.friction.to_vec());
     run(setup, &setup.model, &data, steps, see).unwrap_or_else(|error| panic!("{error}"));
     seen
-}
-
-/// Every displacement and every friction stress, to 1e-9 of the largest: both solve the same discrete problem, to 1e-13.
-#[test]
-fn another_program_finds_the_same() {
-    let known = fixture("tresca");
-    let [n, steps] = ["n", "steps"].map(|key| known[key].as_u64().expect("a count") as u32);
-    let setup = independent();
-    let (u, s) = last(&setup, n, steps);
-    let space = on_mesh(&setup, n).space;
-    let rows = |key: &str| known[key].as_array().expect("rows").clone();
-    let number = |value: &serde_json::Value| value.as_f64().expect("a number");
-    let largest = |all: &[f64]| all.iter().fold(0.0f64, |m, v| m.max(v.abs()));
-    for (vertex, row) in rows("u").iter().enumerate() {
-        for i in 0..2 {
-            let found = u[2 * space.nodes.of_vertex[vertex] as usize + i];
-            assert!((found - number(&row[i])).abs() <= 1e-9 * largest(&u), "u at vertex {vertex}");
-        }
-    }
-    // The bottom row of vertices from left to right.
-    for (point, found) in space.trace.points.iter().zip(&s) {
-        let known = number(&rows("friction")[point.vertex as usize]);
-        assert!((found - known).abs() <= 1e-9 * largest(&s), "s at vertex {}", point.vertex);
-    }
-    let bound = |x: f64| 0.05 * (1.0 + 6.0 * x) * 1.5;
-    let at = |p: &fem::contact::TracePoint| space.mesh.vertex(p.vertex)[0];
-    let sticks = space.trace.points.iter().zip(&s).filter(|(p, s)| s.abs() < 0.99 * bound(at(p)));
-    let sticks = sticks.count();
-    assert!(sticks >= 2 && sticks + 2 <= s.len(), "{sticks} of {} stick", s.len());
 }
 
 /// What a defect makes of S at a place.
@@ -110,56 +75,6 @@ fn the_slopes_of_a_falling_bound_are_its_differences() {
     assert!(slopes.iter().filter(|slope| **slope < 0.0).count() >= 4, "{slopes:?}");
     // Rounding 1e-16/1e-7 times a condition of 1e2; yielding cells move by 1e-7.
     assert!(off < 1e-5, "{off}");
-}
-
-/// A vertex with a frame takes the second unknown of it: the same body, turned, has the same answer.
-#[test]
-fn a_turned_body_has_the_same_friction() {
-    let polygon = |angle: f64| {
-        let (c, s) = (angle.cos(), angle.sin());
-        let corner = |[x, y]: [f64; 2]| format!("[{:?}, {:?}]", c * x - s * y, s * x + c * y);
-        let corners: Vec<String> =
-            [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]].map(corner).into();
-        let domain = format!(
-            "shape = \"polygon\"\nvertices = [{}]\nsides = [\"bottom\", \"right\", \"top\", \"left\"]",
-            corners.join(", ")
-        );
-        let text = repository("tests/independent/tresca.toml");
-        let text = edited(&text, "shape = \"rectangle\"\nsize = [1.0, 1.0]", &domain);
-        let (bound, body) = ("0.05*(1 + 6*x)*(1 + t/2)", "[\"0.4*t\", \"-0.2\"]");
-        let text = edited(&text, bound, &format!("0.05*(1 + 6*({c:?}*x + {s:?}*y))*(1 + t/2)"));
-        let turned_body = format!("[\"{c:?}*0.4*t + {s:?}*0.2\", \"{s:?}*0.4*t - {c:?}*0.2\"]");
-        setup_of(edited(&text, body, &turned_body))
-    };
-    let (straight, turned) = (polygon(0.0), polygon(0.5));
-    let ((u, s), (v, r)) = (last(&straight, 4, 3), last(&turned, 4, 3));
-    let (c, sine) = (0.5f64.cos(), 0.5f64.sin());
-    let largest = u.iter().fold(0.0f64, |m, v| m.max(v.abs()));
-    for (a, b) in u.chunks(2).zip(v.chunks(2)) {
-        let image = [c * a[0] - sine * a[1], sine * a[0] + c * a[1]];
-        assert!((0..2).all(|i| (image[i] - b[i]).abs() < 1e-11 * largest), "{image:?} {b:?}");
-    }
-    assert!(s.iter().zip(&r).all(|(s, r)| (s - r).abs() < 1e-11), "{s:?} {r:?}");
-    assert!(s.iter().any(|s| *s > 0.0));
-}
-
-/// c_τ² of the unit square is 6.444 by elements of degree 2 on n = 32 (scipy); P1 lies below and comes near.
-#[test]
-fn the_tangential_trace_constant_is_large() {
-    let setup = setup("friction-front");
-    let found = constants(&setup).expect("constants");
-    assert!((found.c_tau_squared - 6.444).abs() < 0.005, "{}", found.c_tau_squared);
-    for mass in [TraceMass::Consistent, TraceMass::Lumped] {
-        let value = |n| {
-            let (space, square) = (on_mesh(&setup, n).space, (TracePart::Tangential, mass));
-            trace_constants(&space, &TensorField::identity(), [square]).expect("one")[0].value
-        };
-        let [coarse, fine] = [8, 16].map(value);
-        assert!((fine - 6.444).abs() < 0.3 * (coarse - 6.444).abs(), "{coarse} {fine}");
-    }
-    let falling = constants(&crate::shipped::setup("friction-falling")).expect("constants");
-    let m0 = 2.0 - 0.2 * falling.c_tau_squared;
-    assert!((falling.m0 - m0).abs() < 1e-12 && falling.m0 > 0.0, "{}", falling.m0);
 }
 
 #[test]
