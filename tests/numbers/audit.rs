@@ -43,7 +43,7 @@ fn under(name: &str, change: impl Fn(&mut AuditConstants)) -> Vec<&'static str> 
 
 #[test]
 fn every_inequality_holds_on_sound_runs() {
-    // Regions, a polygon, graded steps, a jump and a nearly incompressible body stand beside the scenes of the other tests.
+    // Regions, a polygon, graded steps, a jump, a nearly incompressible body and curved laws stand beside the scenes of the other tests.
     let names = [
         "pure-mild",
         "pure-concave-gap",
@@ -63,6 +63,11 @@ fn every_inequality_holds_on_sound_runs() {
         "state-jump",
         "bulk-shear",
         "locking-linear",
+        "law-rational",
+        "law-exponential",
+        "law-power",
+        "law-scaled",
+        "law-jump",
     ];
     for name in names {
         let found = audited(&setup(name), &[8], &[4]);

@@ -4,7 +4,6 @@
 //! Mesh: the unit square, 8 × 8 squares, clamped top, contact bottom; 4 × 4 for dense comparisons.
 //! Data: linear-punch (ℬ(0) = -𝒜/4: factor k/8), memory-minus-identity and -plus-identity (λ = μ_L = 1: factor k/4), punch.
 
-use crate::samples::sample;
 use crate::shipped::{at_level, edited, on_mesh, setup, setup_of, text};
 use crate::wrong::as_level;
 use algebra::linalg::{FactorError, dot, signed_unit};
@@ -20,8 +19,8 @@ use studies::theory::bound::{
 use vhi::history::TimeGrid;
 use vhi::law::TensorField;
 use vhi::{
-    FixedPoint, FrozenDerivative, HistoryInequality, Newton, OpenInequality, Scratch, StepBounds,
-    StepError, StepInequality, StepSolver, StepState,
+    FrozenDerivative, HistoryInequality, Newton, OpenInequality, Scratch, StepBounds, StepError,
+    StepInequality, StepState,
 };
 
 const N: u32 = 8;
@@ -210,39 +209,6 @@ fn the_iteration_obeys_the_factor() {
     }
 }
 
-/// Marches: the iteration and Newton's method agree below the threshold, and only the latter works beyond.
-#[test]
-fn marches_with_both_solvers() {
-    let long = |horizon: &str| {
-        setup_of(edited(
-            &text("memory-plus-identity"),
-            "horizon = 1.0",
-            &format!("horizon = {horizon}"),
-        ))
-    };
-    let marched = |setup: &Setup, solver: &dyn StepSolver| -> Result<(u32, f64), CaseError> {
-        let mut norm = 0.0;
-        let info = on_mesh(setup, 4).march(setup, 4, solver, &mut |view| {
-            norm = view.strain_norm;
-            Ok(())
-        })?;
-        Ok((info.fixed_point_iterations, norm))
-    };
-    let (lambda, newton) = (FixedPoint::default(), Newton::default());
-    // k = 2: factor ½, so 1e-13 takes 43 iterations or so, less what the extrapolated start gives.
-    let near = long("8.0");
-    let (iterations, by_lambda) = marched(&near, &lambda).expect("a contraction");
-    let (_, by_newton) = marched(&near, &newton).expect("a solution");
-    assert!((by_lambda / by_newton - 1.0).abs() < 1e-11);
-    let most = (1e-13f64.ln() / 0.5f64.ln()).ceil() as u32 + 3;
-    assert!(iterations > 4 * (most / 2) && iterations <= 4 * most + 1, "{iterations} {most}");
-    // k = 5: factor 1.25.
-    let far = long("20.0");
-    assert!(marched(&far, &newton).is_ok());
-    let error = marched(&far, &lambda).expect_err("no contraction").to_string();
-    assert!(error.contains("does not contract"), "{error}");
-}
-
 /// The largest quotient of a trace mass, by its matrix on an edge of length 1, and the energy of a tensor: as a dense problem.
 pub fn dense<const K: usize>(
     space: &fem::contact::Discretization,
@@ -350,33 +316,6 @@ fn a_falling_law_loses_uniqueness_at_the_energy_constant() {
         }
     };
     assert!(definite(0.999) && !definite(1.001));
-}
-
-#[test]
-fn understated_constants_of_the_body_are_caught() {
-    let setup = setup("punch");
-    let space = setup.space(4).expect("a mesh");
-    let sound = constants(&setup).expect("constants");
-    let failing = |wrong: &scene::setup::Constants| -> Vec<&'static str> {
-        let rows = sample(&setup, wrong, &space);
-        failing(&rows).into_iter().map(|claim| claim.statement.source).collect()
-    };
-    assert_eq!(failing(&sound), Vec::<&str>::new());
-    type Change = fn(&mut scene::setup::Constants);
-    let understated: [(&str, Change); 5] = [
-        ("(2.5b): -m_A", |c| c.m_a *= 1.4),
-        ("L_A", |c| c.l_a *= 0.7),
-        ("(2.7b): beta_phi, same u", |c| c.beta_phi = 0.9),
-        ("L_kappa", |c| c.lipschitz_kappa *= 0.9),
-        ("Lipschitz constant of S", |c| c.memory.operator = 0.0),
-    ];
-    for (row, change) in understated {
-        let mut wrong = sound.clone();
-        change(&mut wrong);
-        let found = failing(&wrong);
-        // That of β_φ is in others, too.
-        assert!(found == [row] || row.contains("beta") && found.contains(&row), "{row}: {found:?}");
-    }
 }
 
 /// A level with one part wrong, at the seam between Λ and the study.

@@ -188,20 +188,6 @@ fn long_orders_in_time_and_of_other_ratios_are_covered() {
     are_covered("order, ratios 1.3, 1.5, 2 mixed", unequal, Correction::Linear);
 }
 
-/// The true ratios of the steps matter: tables with ratios 1.3, 1.5, 2 read as halvings.
-#[test]
-#[ignore = "1,800 posteriors: make test-long"]
-fn long_assumed_ratios_are_caught() {
-    let cells = orders("ratios ignored", (unequal, Correction::Linear), |samples| {
-        let halved = samples
-            .iter()
-            .enumerate()
-            .map(|(i, sample)| Sample { step: 0.125 * 0.5f64.powi(i as i32), ..*sample });
-        inferred(&halved.collect::<Vec<_>>()).interval
-    });
-    assert!(worst(&cells) < 0.8, "{}", worst(&cells));
-}
-
 /// Relative interval of C under the true order.
 fn constants(title: &str, (steps, truth, fitted): (Steps, Correction, Correction)) -> Vec<Cell> {
     nine_cells(title, |levels, noise| {

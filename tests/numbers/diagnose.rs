@@ -86,13 +86,6 @@ fn a_sound_solver_is_not_accused() {
     nothing_is_said(&|name| ["affine", "signorini", "steady"].contains(&name), 3);
 }
 
-/// Quadratic elements and kernels that are infinite at s = t: of a sound solver nothing is said, and defects have their names.
-#[test]
-#[ignore = "seconds for each defect: make test-long"]
-fn long_quadratic_elements_and_singular_kernels_are_diagnosed() {
-    nothing_is_said(&|name| ["quadratic-memory", "singular-contact"].contains(&name), 2);
-}
-
 #[test]
 #[ignore = "a minute: make test-long"]
 fn long_a_sound_solver_is_not_accused_on_any_scene() {

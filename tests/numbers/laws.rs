@@ -1,6 +1,6 @@
 //! Source: (2.8b), (2.8c), Remarks 2 and 3, Theorem 11 of doi 10.1016/j.cam.2018.08.046.
-//! Goal: every kind of law has the constants that its proof states; a wrong selection leaves the KKT system, a wrong
-//!   factor the predicted order (wrong laws: docs/SABOTAGE.md); a set-valued law is solved as an inclusion; the decomposition of Remark 3
+//! Goal: every kind of law has the constants that its proof states; a wrong selection leaves the KKT
+//!   system (wrong laws: docs/SABOTAGE.md); a set-valued law is solved as an inclusion; the decomposition of Remark 3
 //!   finds the solution that Newton's method finds, within its contraction factor.
 //! Mesh: n × n squares cut from lower left to upper right.
 //! Data: the scenes law-…, and for the decomposition every shipped scene with contact at a small size.
@@ -15,12 +15,10 @@ use crate::wrong::Understated;
 use fem::contact::{CaseError, KKT_ALLOWED, StepView, kkt_residual};
 use scene::setup::{MeshData, Setup, abstract_decomposition_bound, constants, decomposition_bound};
 use scene::{Body, Hypothesis};
-use studies::theory::audit::audit;
 use studies::theory::bound::sampled;
 use vhi::law::{Potential, Scaled};
 use vhi::{Decomposition, Newton};
 
-const CURVED: [&str; 3] = ["law-rational", "law-exponential", "law-power"];
 const STEPS: u32 = 4;
 
 fn potential(setup: &Setup) -> Arc<dyn Potential> {
@@ -230,21 +228,6 @@ fn the_decomposition_serves_every_rule_and_problems_without_a_mesh() {
     let off = a.u.iter().zip(&b.u).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
     let bound = abstract_decomposition_bound(&setup, 16);
     assert!(off < 1e-9 && b.info.contraction <= bound + 1e-4 && bound < 1.0, "{off:e} {bound}");
-}
-
-/// The lines of the proofs hold to rounding under every law, by the rule of its scene.
-#[test]
-fn the_proofs_hold_line_by_line() {
-    for name in CURVED.into_iter().chain(["law-scaled", "law-jump"]) {
-        let mut setup = setup(name);
-        let found = audit(&setup, &[8], &[2]).expect("an audit");
-        assert!(found.holds(), "{name}: {:?}", found.claims);
-        // An audit that ignores the factor is no audit of this scene.
-        if name == "law-scaled" {
-            setup.model.boundary.first_mut().expect("contact").scale = None;
-            assert!(!audit(&setup, &[8], &[2]).expect("an audit").holds());
-        }
-    }
 }
 
 /// One unknown on the falling branch: the factor is α_j c_j²/m itself, but for the part k/2 of the memory, so that it

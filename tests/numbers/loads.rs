@@ -8,7 +8,7 @@ use std::sync::Arc;
 
 use crate::shipped::{on_mesh, setup};
 use exact::{Exact, ExactData, ExactOnMesh, LoadForm, Truth};
-use fem::contact::{LoadError, stress_force};
+use fem::contact::LoadError;
 use fem::space::quadrature::TruthRules;
 use scene::setup::{MeshData, Setup, side_numbers};
 
@@ -88,41 +88,6 @@ fn the_edge_of_a_zone_inside_cells_costs_more_and_vanishes_too() {
         let [coarse, fine] = [8, 64].map(|n| difference(&setup, &exact(&setup), n, 0.71));
         assert!(coarse <= 1.0 / 8.0 && fine <= 1.0 / 64.0, "{scene}: {coarse:e} {fine:e}");
         assert!(fine <= coarse / 4.0, "{scene}: {coarse:e} {fine:e}");
-    }
-}
-
-/// Largest difference between nodal forces of the weak load and those that the solver's assembly makes of the same
-/// cell stresses, relative to the largest; nodes of Γ3 left out, where the load has the contact pressure as well.
-fn assemblies_differ(scene: &str, distort: impl Fn([f64; 3]) -> [f64; 3]) -> f64 {
-    let setup = setup(scene);
-    let data = on_mesh(&setup, 4);
-    let (space, t) = (&data.space, 0.71);
-    let load = data.truth.load(t).unwrap_or_else(|error| panic!("{error}"));
-    let moments = data.truth.moments(t).unwrap_or_else(|error| panic!("{error}"));
-    let mut force = vec![0.0; space.nodes.len()];
-    for (c, stress) in moments.stress.at.chunks_exact(3).enumerate() {
-        let stress = distort([stress[0], stress[1], stress[2]]);
-        let stress = stress.map(|s| s * space.geometry.measure[c]);
-        let (gradients, nodes) = (space.geometry.gradients(c), space.cell_nodes(c));
-        stress_force::<2, 3>(gradients, nodes, &stress, &mut force);
-    }
-    let on_contact = |dof: usize| space.trace.points.iter().any(|p| p.node == dof as u32 / 2);
-    let size = load.iter().fold(0f64, |size, f| size.max(f.abs()));
-    let inner = (0..load.len()).filter(|&dof| !on_contact(dof));
-    inner.map(|dof| (load[dof] - force[dof]).abs() / size).fold(0.0, f64::max)
-}
-
-/// Gradients in Mandel notation on the solver's side, edges and full tensors on the other: two routines, one result.
-/// The stress of these scenes is constant on cells, so that no quadrature stands between them.
-#[test]
-fn the_two_assemblies_agree_and_a_wrong_one_is_seen() {
-    for scene in ["affine", "affine-locked"] {
-        let off = assemblies_differ(scene, |stress| stress);
-        // Sums of six cells.
-        assert!(off <= 1e-13, "{scene}: {off:e}");
-        let without_factor = |[a, b, c]: [f64; 3]| [a, b, c / 2f64.sqrt()];
-        let off = assemblies_differ(scene, without_factor);
-        assert!(off > 1e-3, "{scene}, shear without √2: {off:e}");
     }
 }
 

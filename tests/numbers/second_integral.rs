@@ -5,8 +5,8 @@
 //! Data: scenes of the plane and of space, with constraint, compliance, projection and memory.
 
 use crate::again::{Errors, Kept, errors};
-use crate::shipped::{edited, on_mesh, run, setup, setup_of, text};
-use fem::norms::{ContactState, StepErrors, state_errors, step_errors};
+use crate::shipped::{on_mesh, run, setup};
+use fem::norms::{StepErrors, step_errors};
 use scene::setup::{MeshData, Setup};
 
 /// Scene, n, steps, and what the two may differ by, as a share: in the stress, and in all other norms.
@@ -113,59 +113,4 @@ fn contact_sets_are_those_of_finer_samples() {
         }
     }
     assert!(seen > 0, "no contact set differs anywhere");
-}
-
-/// The states share the whole; the difference of the locked sets is that of finer samples.
-#[test]
-fn errors_by_state_add_up_to_the_norms_on_the_contact_side() {
-    for (name, n) in [("compliance", 16), ("zone-appears", 16), ("state-rising", 8)] {
-        let setup = setup(name);
-        let data = on_mesh(&setup, n);
-        let exact = setup.exact.as_ref().expect("an exact solution");
-        let mut levels = Vec::new();
-        run(&setup, &setup.model, &data, 4, |view| {
-            levels.push(Kept::of(view));
-            let samples = data.truth.contact_samples(view.t).expect("samples").expect("a plane");
-            let by_state = state_errors(&data.space, view, &samples);
-            let again = errors(exact, &data, &levels, SETTLED);
-            let root = |parts: [f64; 5]| parts.iter().map(|part| part * part).sum::<f64>().sqrt();
-            for (norm, parts, whole) in [
-                ("trace", by_state.trace, again.trace),
-                ("pressure", by_state.pressure, again.pressure),
-            ] {
-                let sum = root(parts);
-                // Kinks inside a part of an eighth: as the norms themselves.
-                assert!(
-                    (sum - whole).abs() <= 1e-2 * whole + 1e-14,
-                    "{name} {norm}: {sum} {whole}"
-                );
-            }
-            let length: f64 = by_state.measure.iter().sum();
-            assert!((length - 1.0).abs() < 1e-12, "{name}: {length}");
-            // Two ends of a zone, an eighth of an edge each, and the samples of the second integral.
-            let allowed = 2.0 * (1.0 / 8.0 + 2.0 / 64.0) / f64::from(n);
-            let off = (by_state.set_difference - again.difference).abs();
-            assert!(off <= allowed, "{name}: {} {}", by_state.set_difference, again.difference);
-            if name == "state-rising" {
-                let rising = by_state.measure[ContactState::Rising as usize];
-                assert!((rising - 1.0).abs() < 1e-12, "{rising}");
-            }
-        })
-        .unwrap_or_else(|error| panic!("{error}"));
-    }
-}
-
-/// A kink that the formulas hide, a root of a square in place of a modulus, is not followed: the second integral sees it.
-#[test]
-fn a_kink_that_is_not_followed_is_seen() {
-    // Twice the positive part of each.
-    let (radius, pressure) = ("r = \"0.15 + 0.1*t\"", "R = \"L*max(r^2 - (x - x0)^2, 0)^3\"");
-    let roots = "over = \"sqrt((x - x0)^2 + 1e-24) - r\"\nout = \"over + sqrt(over^2 + 1e-24)\"\n\
-                 under = \"r^2 - (x - x0)^2\"\nin = \"under + sqrt(under^2 + 1e-24)\"";
-    let text = edited(&text("signorini"), radius, &format!("{radius}\n{roots}"));
-    let text = edited(&text, "c*max(abs(x - x0) - r, 0)^3", "c*out^3/8");
-    let hidden = setup_of(edited(&text, pressure, "R = \"L*in^3/8\""));
-    let data = on_mesh(&hidden, 4);
-    let [(_, v), ..] = apart(&both(&hidden, &data, 1));
-    assert!(v > 5.0 * 3e-5, "{v:e}");
 }

@@ -1,5 +1,5 @@
 //! Source: the contract of `sweep trade` and `sweep solve --estimate`; errors of single runs as `sweep run` measures them.
-//! Goal: the front is that of a brute force; the command measures the errors of a sweep, loses no row, answers a target
+//! Goal: the command measures the errors of a sweep, loses no row, answers a target
 //!   with a run that has the error it predicts, and refuses nonsense with one message; the bound of a quantity contains its
 //!   limit. No clock is compared.
 //! Data: compliance, affine, signorini, pure-mild, in-space, pure-box, punch without its reference.
@@ -13,37 +13,9 @@ use scene::Norm;
 use scene::setup::{MeshData, Setup};
 use serde_json::Value;
 use studies::trade::estimate::{Alignment, Part, companions};
-use studies::trade::front;
 
 /// Errors closer than this part of them are one in a trade.
 const TIE: f64 = 0.01;
-
-/// Whether a list of points is the front of all, by comparing each with each.
-fn is_front(points: &[(f64, f64)], found: &[usize]) -> bool {
-    let beaten = |i: usize| {
-        let (x, y) = points[i];
-        let mut others = points.iter().enumerate().filter(|(j, _)| *j != i);
-        others.any(|(_, &(a, b))| a <= x && b <= y && (a < x || b < y))
-    };
-    (0..points.len()).all(|i| beaten(i) != found.contains(&i))
-}
-
-#[test]
-fn the_front_is_that_of_a_brute_force() {
-    // Multiples of the golden ratio, modulo one: spread evenly, no two alike.
-    let part = |i: usize, step: f64| (i as f64 * step).fract();
-    for count in [1, 2, 7, 50, 200] {
-        let points: Vec<(f64, f64)> =
-            (1..=count).map(|i| (part(i, 0.618_033_988_7), part(i, 0.754_877_666_2))).collect();
-        let found = front(&points, 0.0);
-        assert!(is_front(&points, &found), "{count}");
-        // One point less, or a beaten one more, is seen.
-        assert!(!is_front(&points, &found[1..]));
-        if let Some(beaten) = (0..count).find(|i| !found.contains(i)) {
-            assert!(!is_front(&points, &[&found[..], &[beaten]].concat()));
-        }
-    }
-}
 
 fn v_error(setup: &Setup, n: u32, steps: u32) -> f64 {
     errors(setup, &on_mesh(setup, n), n, steps, &[Norm::VMax])[0]

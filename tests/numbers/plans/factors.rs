@@ -150,13 +150,3 @@ fn plans_are_those_of_the_terms() {
         assert!(polished.info.work.residuals > STEPS, "{name}");
     }
 }
-
-/// One factor serves levels until its extra iterations have cost a new one: fewer than one a level.
-#[test]
-fn old_factors_serve_and_the_answer_stays() {
-    let setup = setup("punch");
-    let data = on_mesh(&setup, 12);
-    let info = shortest(&setup, &data, 48).info;
-    assert!(info.work.linear.factorizations < 48, "{}", info.work.linear.factorizations);
-    assert!(info.kkt_residual < 1e-11);
-}
