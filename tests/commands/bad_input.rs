@@ -274,15 +274,13 @@ fn tables_that_cannot_be_fitted() {
     assert!(found.is_empty(), "{found:?}");
 }
 
-/// The worst a scene file may hold.
+/// The worst a scene file may hold. What a formula may not be: crates/formula/src/tests/language.rs.
 fn worst() -> Vec<Malformed> {
     let new = Malformed::new;
     let affine = |name, to: &str, phrases| {
         Malformed::new(name, "affine", ["b = \"0.3*sin(2*t)\"", to], phrases)
     };
     let punch = |name, edit: [&str; 2], phrases| Malformed::new(name, "punch", edit, phrases);
-    let nested =
-        |open: &str, close: &str| format!("b = \"{}t{}\"", open.repeat(5000), close.repeat(5000));
     let lists = format!("gap = {}{}", "[".repeat(5000), "]".repeat(5000));
     let also = |line: &str| format!("{line}\nb = \"0.3*sin(2*t)\"");
     let modulus = |name, number: &str, phrases| {
@@ -290,32 +288,15 @@ fn worst() -> Vec<Malformed> {
     };
     let mut all = vec![
         // Deep nesting.
-        affine("deep-brackets", &nested("(", ")"), &["nested deeper than"]),
-        affine("deep-signs", &nested("-", ""), &["nested deeper than"]),
-        affine("deep-calls", &nested("sin(", ")"), &["nested deeper than"]),
-        affine("deep-powers", &nested("t^(", ")"), &["nested deeper than"]),
         punch("deep-lists", ["gap = \"0.10\"", &lists], &["not TOML"]),
         // Huge numbers, and what is no number.
-        affine("huge-number", "b = \"1e400*t\"", &["1e400", "too large"]),
         modulus("huge-modulus", "1e400", &["overflow"]),
         modulus("huge-whole", "99999999999999999999", &["99999999999999999999"]),
         modulus("stiff", "1e300", &["1e-152 to 1e152"]).at("[material]"),
         modulus("nan", "nan", &["NaN", "not finite"]),
         punch("infinite-time", ["horizon = 1.0", "horizon = inf"], &["inf", "not finite"]),
-        affine("nan-formula", "b = \"nan*t\"", &["unknown name `nan`"]),
-        affine("inf-formula", "b = \"-inf*t\"", &["unknown name `inf`"]),
-        // Names.
-        affine("shadows-function", &also("sin = \"3\""), &["`sin`", "reserved"]),
-        affine("shadows-constant", &also("pi = \"3\""), &["`pi`", "reserved"]),
-        affine("shadows-variable", &also("x = \"3\""), &["`x`", "reserved"]),
-        affine("shadows-if", &also("if = \"3\""), &["`if`", "reserved"]),
-        affine("recursive", "b = \"0.3*sin(2*b)\"", &["unknown name `b`"]),
-        affine("each-other", "q = \"b\"\nb = \"q\"", &["unknown name `b`"]),
-        affine("twice", "b = \"t\"\nb = \"t\" # again", &["duplicate key"]).at("b = \"t\" # again"),
         // Unicode.
         affine("greek-key", &also("β = \"3\""), &["not TOML"]),
-        affine("dot-product", "b = \"0.3·t\"", &["`·` has no meaning"]),
-        affine("minus-sign", "b = \"0.3 − t\"", &["`−` has no meaning"]),
         affine("right-to-left", "b = \"t\u{202e}\"", &["has no meaning"]),
         affine("cyrillic-t", "b = \"0.3*т\"", &["unknown name `т`"]),
         affine("nul", "b = \"0.3\\u0000\"", &["has no meaning"]),
@@ -329,15 +310,11 @@ fn worst() -> Vec<Malformed> {
             &["the load is NaN at x = 0, y = 0, t = 0"],
         ),
     ];
-    let grids: [(&str, &str, &str, &[&str]); 8] = [
-        ("n-zero", "n", "[0]", &["0 is not a whole number"]),
-        ("n-negative", "n", "[-8]", &["-8 is not a whole number"]),
+    let grids: [(&str, &str, &str, &[&str]); 4] = [
         ("n-huge", "n", "[99999999]", &["n = 99999999 makes 2.0e16 cells"]),
         ("n-beyond", "n", "[99999999999]", &["not a whole number from 1 to"]),
-        ("n-text", "n", "[\"8\"]", &["expected a whole number"]),
         ("steps-huge", "steps", "[2000000000]", &["2000000000 is not", "the most time steps"]),
         ("steps-beyond", "steps", "[4294967296]", &["not a whole number from 1 to"]),
-        ("steps-part", "steps", "[1.5]", &["expected a whole number"]),
     ];
     for (name, key, list, phrases) in grids {
         // `traction = [` ends like `n = [`: the break makes the line one of a kind.
@@ -371,7 +348,7 @@ fn the_worst_inputs_are_counted_with_their_exit_codes() {
         wrong.extend(found.into_iter().map(|what| format!("{name}: {what}")));
     };
     let start = Instant::now();
-    for Malformed { name, text, line, phrases } in worst().into_iter().chain(malformed()) {
+    for Malformed { name, text, line, phrases } in worst() {
         let file = format!("{name}.toml");
         let path = folder.file(&file, &text);
         see(name, sweep(&["check", &path]), &format!("{file}:{line}:"), phrases);
@@ -399,7 +376,7 @@ fn the_worst_inputs_are_counted_with_their_exit_codes() {
     println!("{tried} bad inputs; exit codes {codes:?}; {taken:.1?}");
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));
     assert_eq!(codes.keys().copied().collect::<Vec<_>>(), [2]);
-    assert!(tried >= 55, "{tried}");
+    assert!(tried >= 25, "{tried}");
     // None of them takes a person's patience.
     assert!(taken < Duration::from_secs(300), "{taken:?}");
 }

@@ -35,12 +35,13 @@ fn the_scenes_inside_are_those_of_the_folder() {
     assert_eq!(baseline().expect("a baseline"), recorded);
 }
 
-/// What `--text` prints is a scene file: that of the repository, byte for byte, and one that runs under another name.
+/// What `--text` prints is a scene file: that of the repository, byte for byte (as all are, by the hashes above), and one that runs
+/// under another name.
 #[test]
 fn the_text_of_a_scene_is_its_file() {
     let folder = Folder::new("inside-text");
     let printed = |name: &str| there(&folder, &["list", name, "--text"]);
-    for name in scenes().names() {
+    for name in ["affine", "frustum"] {
         let file = Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("manufactured/{name}.toml"));
         let output = printed(name);
         assert_eq!(code(&output), 0, "{name}");

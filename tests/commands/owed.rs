@@ -1,15 +1,10 @@
 //! Source: the contract of exit codes, and of the baseline on what a run owes.
 //! Goal: of two verdicts one that is wrong is enough, whichever stands first and whatever command judges; a run that judges
 //!   less than its scenes owe, or compares fewer constants, is not green.
-//! Data: affine with two predictions, of V_max and of L2_max; verdicts of a gate that forgets some.
+//! Data: affine with two predictions, of V_max and of L2_max. Gates that forget some: docs/SABOTAGE.md.
 
 use crate::program::{Folder, code, ends, json, stderr, stdout, sweep};
 use crate::shipped::edited;
-use judge::record::{CaseRecord, Key, NormError, Status, V_MAX};
-use judge::verdict::{
-    Baseline, ComparedRun, Comparison, ConstantClaim, Decision, DeviationKind, Prediction,
-    Variable, Verdict, judge,
-};
 
 /// affine with orders in time of V_max and of L2_max; both are 2.
 fn two_predictions(orders: [&str; 2]) -> String {
@@ -186,78 +181,6 @@ fn json_names_what_is_owed() {
     let deviation = &found["baseline"]["deviations"][0];
     assert_eq!(deviation["kind"], "owed", "{deviation}");
     assert!(deviation["variable"] == "joint" && deviation["norm"] == "V_max", "{deviation}");
-}
-
-/// A verdict that passes, with a compared constant where there is one.
-fn verdict(scene: &str, norm: &str, compared: bool) -> Verdict {
-    let prediction = Prediction::new(norm, Variable::K, 2.0);
-    let record = |steps: u32| CaseRecord {
-        status: Status::Converged,
-        errors: vec![NormError {
-            norm: norm.into(),
-            error: Some(f64::from(steps).powi(-2)),
-            floor: Some(0.0),
-        }],
-        ..CaseRecord::without_work(scene, None, steps, 1.0 / f64::from(steps))
-    };
-    let records: Vec<CaseRecord> = [8, 16, 32, 64].map(record).into();
-    let keys: Vec<Key> = records.iter().map(CaseRecord::key).collect();
-    let mut verdict = judge(scene, &records, &keys, &prediction, Decision::Pass);
-    verdict.constant = compared.then(|| ConstantClaim {
-        decides: false,
-        name: "C_k",
-        decision: Decision::Pass,
-        reason: String::new(),
-        owed: false,
-    });
-    verdict
-}
-
-/// What a gate leaves owing of three verdicts of two scenes.
-fn owing(scenes: &[&str], verdicts: &[Verdict]) -> Comparison {
-    let all = [verdict("a", V_MAX, true), verdict("a", "L2_max", false), verdict("b", V_MAX, true)];
-    let baseline = Baseline::of(&[], &[("a", "hash"), ("b", "hash")]).owing(&all);
-    let run = |scene: &&str| ComparedRun {
-        scene: (*scene).into(),
-        hash: "hash".into(),
-        planned: Vec::new(),
-        own_grids: true,
-    };
-    let runs: Vec<ComparedRun> = scenes.iter().map(run).collect();
-    baseline.compare(&runs, &[], verdicts)
-}
-
-#[test]
-fn gates_that_forget_are_red() {
-    let all = || {
-        vec![verdict("a", V_MAX, true), verdict("a", "L2_max", false), verdict("b", V_MAX, true)]
-    };
-    let whole = owing(&["a", "b"], &all());
-    assert_eq!((whole.exit_code(), whole.owed.verdicts, whole.owed.constants), (0, 3, 2));
-    // Of chosen scenes only their verdicts are owed.
-    let some = owing(&["b"], &all()[2..]);
-    assert_eq!((some.exit_code(), some.owed.verdicts, some.owed.constants), (0, 1, 1));
-    // The first prediction of each scene alone; no constant at all; a scene that is not judged.
-    let first: Vec<Verdict> = all().into_iter().filter(|v| v.norm == V_MAX).collect();
-    let mut without = all();
-    without.iter_mut().for_each(|v| v.constant = None);
-    let mut drifting = all();
-    drifting.iter_mut().filter_map(|v| v.constant.as_mut()).for_each(|claim| {
-        claim.decision = Decision::Unresolved;
-    });
-    for (verdicts, said, count) in [
-        (drifting, "a: V_max in k: the constant C_k is recorded but was not decided", 2),
-        (first, "a: L2_max in k: the verdict is recorded", 1),
-        (without, "b: V_max in k: the constant C_k is recorded", 2),
-        (all()[..2].to_vec(), "b: V_max in k: the verdict is recorded", 1),
-        (Vec::new(), "a: V_max in k: the verdict is recorded", 3),
-    ] {
-        let found = owing(&["a", "b"], &verdicts);
-        let lines = found.lines().join("\n");
-        assert_eq!((found.exit_code(), found.deviations.len()), (1, count), "{lines}");
-        assert!(lines.contains(said), "{lines}");
-        assert!(found.deviations.iter().all(|deviation| deviation.kind == DeviationKind::Owed));
-    }
 }
 
 #[test]

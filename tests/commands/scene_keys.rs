@@ -1,5 +1,6 @@
 //! Source: docs/SCENE-FILES.md, and the keys of the scene crate.
-//! Goal: the page shows every key as it is registered and no other, every example on it is read, and no other key is.
+//! Goal: the page shows every key as it is registered and no other, every example on it is read. What
+//!   is done with a key that nobody knows: tests/numbers/keys.
 //! Data: shipped scenes, into which each example is put; a page without a key, without a part, and with a wrong example.
 //!   `SCENE_KEYS_WRITE=1 cargo test --release --test commands scene_keys` writes the tables of the page anew.
 
@@ -200,50 +201,4 @@ fn a_wrong_example_and_a_missing_one_are_seen() {
     assert_eq!(edited("2.0", "-2.0"), ["[time]: horizon = -2.0"]);
     assert_eq!(edited("\"uniform\"", "\"even\""), ["[time]: grid = { kind = \"even\" }"]);
     assert_eq!(edited("`horizon = 2.0`", ""), ["[time]: horizon has none"]);
-}
-
-/// Every table of a scene with an unknown key added to it, but those whose keys are names of the scene's own.
-fn with_unknown_keys(name: &str) -> Vec<(String, String)> {
-    const NAMED: [&str; 3] = ["exact.parameters", "exact.define", "loads.traction"];
-    let whole: toml::Table = text(name).parse().expect("a scene");
-    let (mut texts, mut open) = (Vec::new(), vec![String::new()]);
-    while let Some(path) = open.pop() {
-        let mut changed = toml::Value::Table(whole.clone());
-        let parts = path.split('.').filter(|part| !part.is_empty());
-        let found = parts.fold(&mut changed, |value, part| match part.parse::<usize>() {
-            Ok(index) => &mut value[index],
-            Err(_) => &mut value[part],
-        });
-        let inner: Vec<String> = match &*found {
-            toml::Value::Table(table) => table.keys().cloned().collect(),
-            toml::Value::Array(list) => (0..list.len()).map(|index| index.to_string()).collect(),
-            _ => continue,
-        };
-        open.extend(inner.iter().map(|key| format!("{path}.{key}").trim_matches('.').to_string()));
-        if let Some(table) = found.as_table_mut().filter(|_| !NAMED.contains(&path.as_str())) {
-            table.insert("unheard-of".into(), 1.into());
-            texts.push((path, toml::to_string(&changed).expect("TOML")));
-        }
-    }
-    texts
-}
-
-/// No table takes a key in silence, wherever it stands: the first level is a part, all others have keys.
-#[test]
-fn an_unknown_key_is_refused_in_every_table() {
-    let mut seen = BTreeSet::new();
-    for name in ["layered", "prony", "friction-coulomb", "l-shape", "punch", "abstract-contact"] {
-        for (path, text) in with_unknown_keys(name) {
-            let said = Scene::from_source(Source::from_text("manufactured/unknown.toml", text));
-            let said = said.expect_err(&path).to_string();
-            assert!(
-                said.starts_with("error: unknown") && said.contains("unheard-of"),
-                "{path}: {said}"
-            );
-            seen.insert(path);
-        }
-    }
-    for part in ["", "material.region.0.memory", "contact.law", "trace.0.law", "predicts.0"] {
-        assert!(seen.contains(part), "{part}: {seen:?}");
-    }
 }

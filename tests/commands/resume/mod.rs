@@ -130,12 +130,6 @@ fn ten_kills_at_random_moments_lose_nothing() {
     kills_at_random_moments_lose_nothing(10);
 }
 
-#[test]
-#[ignore = "half a minute: make test-long"]
-fn long_twenty_kills_at_random_moments_lose_nothing() {
-    kills_at_random_moments_lose_nothing(20);
-}
-
 #[cfg(unix)]
 #[test]
 fn an_interrupted_sweep_says_how_to_go_on_and_does() {
