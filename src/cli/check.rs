@@ -7,10 +7,9 @@ use std::collections::BTreeSet;
 use super::abstract_problem::{fact, of_table, step_facts};
 use super::list::{terms, truth};
 use super::machine::Common;
-use super::scenes::Grid;
+use super::scenes::{Grid, admit};
 use super::{
-    CliError, Scenes, TABLE_WIDTH, abstract_problem, meshes_fit, print_beside, print_json,
-    print_text, width,
+    CliError, Scenes, TABLE_WIDTH, abstract_problem, print_beside, print_json, print_text, width,
 };
 use clap::Args;
 use exact::{Finding, Status, check};
@@ -19,15 +18,14 @@ use files::digits;
 use judge::verdict::{Foreseen, ForeseenConstant, LeadingPoint, Variable};
 use report::json_table;
 use run::sweep::{
-    CasePlan, Cost, FloorRow, MemoryLimit, PlanCost, ScenePlan, admit_constants, admit_plan,
-    floors_beside, foresee_plan,
+    CasePlan, Cost, MemoryLimit, PlanCost, ScenePlan, admit_constants, admit_plan, floors_beside,
+    foresee_plan,
 };
 use scene::setup::{Constants, Setup, Smallness, Subject, constants, sides};
 use scene::{Data, Hypothesis, Prediction, RelaxationTerm, Scene};
-use serde::Serialize;
 use serde_json::Value;
 use studies::theory::bound::sampled::table_of_body;
-use studies::theory::corner::{Corner, corners};
+use studies::theory::corner::corners;
 use vhi::history::FastConvolution;
 use vhi::law::INTERPOLATED_TO;
 
@@ -51,10 +49,11 @@ pub(crate) struct Check {
 impl Check {
     pub(super) fn execute(&self, scenes: &Scenes) -> Result<u8, CliError> {
         let scene = scenes.scene(&self.scene)?;
-        self.grid.check(&scene)?;
+        let overrides = self.grid.overrides();
+        overrides.check(&scene)?;
         let limit = self.common.allowance.limit();
         admit_constants(&scene, true, &limit)?;
-        let mut plan = ScenePlan::new(Subject::new(scene)?, &self.grid.overrides());
+        let mut plan = ScenePlan::new(Subject::new(scene)?, &overrides);
         if let Some(remark) = plan.step_remark()? {
             super::output::remark(&plan.scene().name, &remark);
         }
@@ -66,7 +65,7 @@ impl Check {
             costs => costs?,
         };
         let floors = if self.floors { Some(self.measure(&mut plan, &limit)?) } else { None };
-        let document = document(&plan, &findings, &costs, floors.as_deref());
+        let document = document(&plan, &findings, &costs, floors);
         match self.common.json {
             true => print_json(&document)?,
             false => print_in_words(plan.scene(), &document),
@@ -75,11 +74,7 @@ impl Check {
     }
 
     /// The floors of two of the scene's cases, or of those on the grid that is given.
-    fn measure(
-        &self,
-        plan: &mut ScenePlan,
-        limit: &MemoryLimit,
-    ) -> Result<Vec<Measured>, CliError> {
+    fn measure(&self, plan: &mut ScenePlan, limit: &MemoryLimit) -> Result<Value, CliError> {
         if plan.cases.is_empty() {
             return Err(plan.scene().no_case("run").into());
         }
@@ -92,26 +87,17 @@ impl Check {
         admit_plan(plan, 1, limit, beside)?;
         let mut measured = Vec::new();
         for case in &plan.cases {
-            measured.extend(plan.floors(case)?.into_iter().map(|row| Measured {
-                n: case.n,
-                steps: case.steps,
-                ratio: row.estimated / row.measured,
-                row,
+            measured.extend(plan.floors(case)?.into_iter().map(|row| {
+                let mut json = serde_json::json!(row);
+                json["n"] = case.n.into();
+                json["steps"] = case.steps.into();
+                json["ratio"] = (row.estimated / row.measured).into();
+                json
             }));
         }
         plan.cases = all;
-        Ok(measured)
+        Ok(measured.into())
     }
-}
-
-/// A floor with its case.
-#[derive(Serialize)]
-struct Measured {
-    n: Option<u32>,
-    steps: u32,
-    #[serde(flatten)]
-    row: FloorRow,
-    ratio: f64,
 }
 
 fn findings(plan: &ScenePlan, limit: &MemoryLimit) -> Result<Vec<Finding>, CliError> {
@@ -119,14 +105,23 @@ fn findings(plan: &ScenePlan, limit: &MemoryLimit) -> Result<Vec<Finding>, CliEr
         Subject::Contact(setup) => setup,
         Subject::Abstract(setup) => return Ok(abstract_problem::findings(setup)),
     };
-    meshes_fit(setup, limit)?;
+    if let Some(sweep) = &setup.scene.sweep {
+        for n in sweep.n.iter().copied().chain(sweep.reference.map(|reference| reference.n)) {
+            admit(setup, None, (n, 1), limit)?;
+        }
+    }
     let mut findings = Vec::new();
     if let Some(exact) = &setup.exact {
         findings.extend(check(exact, &sides(&setup.body)));
         // A scene whose errors tend to zero at no rate claims no regularity.
         let no_rate = setup.scene.predicts.iter().any(Prediction::tends_to_zero);
-        if no_rate || setup.scene.violates.contains(&Hypothesis::RegularInSpace) {
-            findings.iter_mut().for_each(strong_form_is_no_measure);
+        let rough = no_rate || setup.scene.violates.contains(&Hypothesis::RegularInSpace);
+        // Where (5.25) is not claimed f0 may be infinite at a point, and quadrature of the strong form does not judge the weak
+        // one that the solver is given.
+        let loads = |of: &&mut Finding| of.subject == "loads" && of.status == Status::Failed;
+        for finding in findings.iter_mut().filter(loads).filter(|_| rough) {
+            finding.status = Status::Weak;
+            finding.text += ": (5.25) does not hold, f0 may not be integrable by a fixed rule";
         }
     }
     findings.extend(interfaces(setup));
@@ -138,26 +133,27 @@ fn findings(plan: &ScenePlan, limit: &MemoryLimit) -> Result<Vec<Finding>, CliEr
     findings.extend(hypotheses(setup, &constants(setup)?));
     // Corners do not matter for an exact solution, and a two-sided law is what it was made for.
     if let Data::Loads { .. } = &setup.body.data {
-        findings.extend(corners(&setup.body).iter().map(at_corner));
-        findings.extend(two_sided(setup));
+        findings.extend(corners(&setup.body).iter().map(|corner| {
+            let order = corner.order();
+            let text = format!("{}; order in h {order:.4}", corner.in_words());
+            let status = if order < 1.0 { Status::Weak } else { Status::Fact };
+            Finding::new("corner", status, order, text)
+        }));
+        if let Some((law, instead)) = setup.body.laws().find_map(|l| Some((l, l.one_sided()?))) {
+            let text = format!(
+                "two-sided: p < 0 and the body is pulled where contact is open; {instead} presses alone"
+            );
+            findings.push(Finding::new("law", Status::Weak, law.slope_before, text));
+        }
     }
     Ok(findings)
-}
-
-/// A law that pulls where contact is open.
-fn two_sided(setup: &Setup) -> Option<Finding> {
-    let (law, instead) = setup.body.laws().find_map(|law| Some((law, law.one_sided()?)))?;
-    let text = format!(
-        "two-sided: p < 0 and the body is pulled where contact is open; {instead} presses alone"
-    );
-    Some(Finding::new("law", Status::Weak, law.slope_before, text))
 }
 
 fn document(
     plan: &ScenePlan,
     findings: &[Finding],
     costs: &PlanCost,
-    floors: Option<&[Measured]>,
+    floors: Option<Value>,
 ) -> Value {
     let scene = plan.scene();
     let rows = plan.cases.iter().zip(&costs.cases);
@@ -168,7 +164,7 @@ fn document(
         "terms": terms(scene),
         "truth": truth(scene),
         "regions": regions(plan),
-        "algorithm": of_meshes(plan, costs, |cost| algorithm(&plan.subject, cost.plan)),
+        "algorithm": algorithms(plan, costs),
         "rule": scene.time.rule.in_words(),
         "history": history(plan),
         "reference": reference.map(|(run, cost)| run_json(Some(run.n), run.steps, &cost)),
@@ -176,7 +172,7 @@ fn document(
         "constants": predicted_constants(plan),
     });
     if let Some(floors) = floors {
-        document["floors"] = serde_json::json!(floors);
+        document["floors"] = floors;
     }
     document
 }
@@ -249,13 +245,13 @@ fn case_json(plan: &ScenePlan, case: &CasePlan, cost: &Cost) -> Value {
     json
 }
 
-/// A property common to all runs, or the meshes with each value of it.
-fn of_meshes(plan: &ScenePlan, costs: &PlanCost, words: impl Fn(&Cost) -> &'static str) -> String {
+/// The algorithm of all runs, or the meshes with each.
+fn algorithms(plan: &ScenePlan, costs: &PlanCost) -> String {
     let mesh_sizes = plan.cases.iter().map(|case| case.n.unwrap_or_default());
     let ns = mesh_sizes.chain(plan.reference.map(|reference| reference.n));
     let mut found: Vec<(&'static str, BTreeSet<u32>)> = Vec::new();
     for (n, cost) in ns.zip(costs.cases.iter().chain(&costs.reference)) {
-        let name = words(cost);
+        let name = algorithm(&plan.subject, cost.plan);
         match found.iter_mut().find(|(known, _)| *known == name) {
             Some((_, meshes)) => _ = meshes.insert(n),
             None => found.push((name, BTreeSet::from([n]))),
@@ -336,23 +332,6 @@ fn history(plan: &ScenePlan) -> String {
             let each: Vec<String> = terms.iter().map(of_term).collect();
             format!("{} terms: {}", terms.len(), each.join("; "))
         }
-    }
-}
-
-/// The order in h at a corner, for given loads.
-fn at_corner(corner: &Corner) -> Finding {
-    let order = corner.order();
-    let text = format!("{}; order in h {order:.4}", corner.in_words());
-    let status = if order < 1.0 { Status::Weak } else { Status::Fact };
-    Finding::new("corner", status, order, text)
-}
-
-/// Where (5.25) is not claimed f0 may be infinite at a point, and quadrature of the strong form does not judge the weak one
-/// that the solver is given.
-fn strong_form_is_no_measure(finding: &mut Finding) {
-    if finding.subject == "loads" && finding.status == Status::Failed {
-        finding.status = Status::Weak;
-        finding.text.push_str(": (5.25) does not hold, f0 may not be integrable by a fixed rule");
     }
 }
 

@@ -3,7 +3,7 @@
 mod eoc;
 mod parts;
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
 
@@ -133,14 +133,13 @@ impl Fit {
         self.state_floor(&mut tables)?;
         self.check_reference(&tables)?;
         let Self { at_least, exact, tolerance, log, .. } = *self;
-        let claim = Claim { order: 1.0, at_least, exact, tolerance, log };
-        let claim = claim.checked()?;
+        let claim = Claim { order: 1.0, at_least, exact, tolerance, log }.checked()?;
         let left_out = self.window.map(|window| window.narrow(&mut tables)).unwrap_or_default();
         let [p, q] = &claims;
         let exact = self.exact_scenes(&tables);
         for claims in claims.iter().flatten() {
-            let all = tables.groups.iter().filter_map(|group| claims.of(group, claim));
-            all.map(Claim::checked).collect::<Result<Vec<_>, _>>()?;
+            let mut all = tables.groups.iter().filter_map(|group| claims.of(group, claim));
+            all.try_for_each(|claim| claim.checked().map(drop))?;
         }
         let asked = |group: &Group| {
             let of = |claims: &Option<Claims>| claims.as_ref().and_then(|c| c.of(group, claim));
@@ -193,25 +192,23 @@ impl Fit {
 
     /// The first line of the table of a verdict.
     fn place(&self, tables: &Tables, verdict: &Verdict) -> Option<AnnotationPlace> {
-        let path = Some(&self.file).filter(|file| file.as_os_str() != "-")?;
         let wanted = (verdict.scene.as_str(), verdict.norm.as_str());
-        let mut groups = tables.groups.iter();
+        let mut groups = tables.groups.iter().filter(|_| !self.is_piped());
         let group = groups.find(|group| of_group(&self.name(), group) == wanted)?;
-        Some(in_file(path, usize::try_from(group.rows.first()?.line).ok()?))
+        Some(in_file(&self.file, usize::try_from(group.rows.first()?.line).ok()?))
     }
 
     fn name(&self) -> String {
-        match self.file.as_os_str() == "-" {
-            true => "standard input".into(),
-            false => self.file.display().to_string(),
-        }
+        if self.is_piped() { "standard input".into() } else { self.file.display().to_string() }
+    }
+
+    fn is_piped(&self) -> bool {
+        self.file.as_os_str() == "-"
     }
 
     fn tables(&self) -> Result<Tables, CliError> {
-        let bytes = match self.file.as_os_str() == "-" {
-            true => {
-                up_to(std::io::stdin(), LARGEST).map_err(FileError::at("standard input".as_ref()))
-            }
+        let bytes = match self.is_piped() {
+            true => up_to(std::io::stdin(), LARGEST).map_err(FileError::at(self.name().as_ref())),
             false => read_at_most(&self.file, LARGEST),
         };
         let names = [&self.p, &self.q].into_iter().flatten().flat_map(Claims::names);
@@ -250,17 +247,13 @@ impl Fit {
             ("--reference", self.reference.is_some()),
             ("--log", self.log != 0.0),
         ];
-        match (values, options.iter().find(|(_, given)| *given)) {
-            (Some(group), Some((option, _))) => {
-                let table =
-                    group.heading().map_or(String::new(), |heading| format!(" `{heading}`"));
-                let what = format!(
-                    "the table{table} has values, of which no error is known: leave it out, or write the errors as `error`"
-                );
-                Err(CliError::about(option, what))
-            }
-            _ => Ok(()),
-        }
+        let given = options.iter().find(|(_, given)| *given);
+        let Some((group, (option, _))) = values.zip(given) else { return Ok(()) };
+        let table = group.heading().map_or(String::new(), |heading| format!(" `{heading}`"));
+        let what = format!(
+            "the table{table} has values, of which no error is known: leave it out, or write the errors as `error`"
+        );
+        Err(CliError::about(option, what))
     }
 
     /// A floor for the errors that have none of their own.
@@ -284,11 +277,12 @@ impl Fit {
         if matches!(self.reference, None | Some(0.0)) {
             return Ok(());
         }
-        let refused = |what: String| Err(CliError::about("--reference", what));
+        let refused = |what: String| CliError::about("--reference", what);
         for group in &tables.groups {
             let along_path = path(&group.points()).is_some();
             if Direction::BOTH.iter().all(|along| group.refined(*along)) && !along_path {
-                return refused("h and k are both refined: the step of the reference in one of them does not tell its error".into());
+                let what = "h and k are both refined: the step of the reference in one of them does not tell its error";
+                return Err(refused(what.into()));
             }
             let finest = |direction: Direction| {
                 let steps = group.rows.iter().map(|row| direction.step(&row.point));
@@ -296,9 +290,7 @@ impl Fit {
             };
             let [space, time] = Direction::BOTH.map(finest);
             let finest = if space.is_nan() { time } else { space };
-            if let Err(error) = known.check_reference(finest) {
-                return refused(error.to_string());
-            }
+            known.check_reference(finest).map_err(|error| refused(error.to_string()))?;
         }
         Ok(())
     }
@@ -349,12 +341,8 @@ pub fn fitted(file: &Path, [p, q]: [Option<f64>; 2]) -> Result<Fitted, CliError>
     let name = file.display().to_string();
     let tables = tables(&name, &read_at_most(file, LARGEST)?, &Reading::default())?;
     let claim = Claim::new(1.0)?;
-    judged(
-        &name,
-        &tables,
-        |_| Asked { p, q, claim, in_time: claim, noise: None, reference: None },
-        &[],
-    )
+    let asked = Asked { p, q, claim, in_time: claim, noise: None, reference: None };
+    judged(&name, &tables, |_| asked, &[])
 }
 
 /// The order of a group in a direction and its interval, from what is printed as JSON.
@@ -485,10 +473,9 @@ impl Claims {
             }
         };
         let claimed = self.0.iter().find(means)?;
-        let (at_least, exact) = match claimed.at_least || claimed.exact {
-            true => (claimed.at_least, claimed.exact),
-            false => (common.at_least, common.exact),
-        };
+        let own = claimed.at_least || claimed.exact;
+        let at_least = if own { claimed.at_least } else { common.at_least };
+        let exact = if own { claimed.exact } else { common.exact };
         let tolerance = claimed.tolerance.unwrap_or(common.tolerance);
         Some(Claim { order: claimed.order, at_least, exact, tolerance, ..common })
     }
@@ -500,12 +487,9 @@ impl Claims {
     /// Each name as the table writes it: `L2` may be `error_L2`.
     pub(super) fn resolve(&mut self, groups: &[Group]) -> Result<(), String> {
         let distinct = |name: &dyn Fn(&Group) -> Option<String>| {
-            let mut found: Vec<String> = Vec::new();
-            groups.iter().filter_map(name).for_each(|name| {
-                if !found.contains(&name) {
-                    found.push(name);
-                }
-            });
+            let mut found: Vec<String> = groups.iter().filter_map(name).collect();
+            let mut seen = BTreeSet::new();
+            found.retain(|name| seen.insert(name.clone()));
             found
         };
         let norms = distinct(&|group| group.norm.clone());
@@ -571,21 +555,19 @@ impl Window {
     /// Removes the rows outside from all tables and returns their points, a list per table. The window is in h, or in k
     /// for a table without h.
     pub(super) fn narrow(self, tables: &mut Tables) -> Vec<Vec<Point>> {
+        let Self([lo, hi]) = self;
         let narrowed = tables.groups.iter_mut().map(|group| {
             let space = group.rows.iter().any(|row| !row.point.h.is_nan());
             let step = |row: &Row| if space { row.point.h } else { row.point.k };
-            let (inside, outside): (Vec<Row>, Vec<Row>) =
-                group.rows.drain(..).partition(|row| self.holds(step(row)));
-            group.rows = inside;
-            outside.into_iter().map(|row| row.point).collect()
+            // A row without a step stays, as a gap.
+            let is_outside = |row: &mut Row| {
+                !step(row).is_nan()
+                    && !(lo * (1.0 - ROUNDING)..=hi * (1.0 + ROUNDING)).contains(&step(row))
+            };
+            let outside = group.rows.extract_if(.., is_outside);
+            outside.map(|row| row.point).collect()
         });
         narrowed.collect()
-    }
-
-    /// A row without a step stays, as a gap.
-    fn holds(self, step: f64) -> bool {
-        let Self([lo, hi]) = self;
-        step.is_nan() || (lo * (1.0 - ROUNDING)..=hi * (1.0 + ROUNDING)).contains(&step)
     }
 }
 

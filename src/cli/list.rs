@@ -34,11 +34,24 @@ const PAGE: &str = "# All scenes\n\nFor readers who look for a scene. Printed by
 impl List {
     pub(super) fn execute(&self, scenes: &Scenes) -> Result<u8, CliError> {
         if self.text {
-            return self.text_of(scenes);
+            let [name] = &self.scene[..] else {
+                let message = "--text prints one scene, so that what it prints is a scene file";
+                return Err(CliError::other(format!("{message}; {} are named", self.scene.len())));
+            };
+            let text = scenes.scene(name)?.source.text;
+            print_text(text.strip_suffix('\n').unwrap_or(&text));
+            return Ok(0);
         }
         let all = scenes.select(&self.scene)?;
         if let Some(folder) = &self.pictures {
-            return pictures(&all, folder);
+            // Foreign files in the folder stay.
+            make_directory(folder)?;
+            for scene in &all {
+                let file = folder.join(format!("{}.svg", scene.name));
+                replace_file(&file, scene_picture(scene).as_bytes())?;
+            }
+            print_text(&format!("{} in {}", counted(all.len(), "picture"), folder.display()));
+            return Ok(0);
         }
         if self.json {
             print_json(&all.iter().map(row).collect::<Vec<_>>())?;
@@ -61,27 +74,6 @@ impl List {
         print_text(&format!("{} {}", counted(all.len(), "scene"), scenes.place()));
         Ok(0)
     }
-
-    /// The text of a scene's file.
-    fn text_of(&self, scenes: &Scenes) -> Result<u8, CliError> {
-        let [name] = &self.scene[..] else {
-            let message = "--text prints one scene, so that what it prints is a scene file";
-            return Err(CliError::other(format!("{message}; {} are named", self.scene.len())));
-        };
-        let text = scenes.scene(name)?.source.text;
-        print_text(text.strip_suffix('\n').unwrap_or(&text));
-        Ok(0)
-    }
-}
-
-/// A picture of each scene; foreign files in the folder stay.
-fn pictures(scenes: &[Scene], folder: &std::path::Path) -> Result<u8, CliError> {
-    make_directory(folder)?;
-    for scene in scenes {
-        replace_file(&folder.join(format!("{}.svg", scene.name)), scene_picture(scene).as_bytes())?;
-    }
-    print_text(&format!("{} in {}", counted(scenes.len(), "picture"), folder.display()));
-    Ok(0)
 }
 
 fn line_of_page(scene: &Scene) -> String {

@@ -36,6 +36,19 @@ impl Allowance {
     }
 }
 
+/// A command with those of its flags that are given, as the provenance of a run says it.
+pub(super) fn options(command: &str, flags: &[(bool, &str)]) -> String {
+    let given = flags.iter().filter(|(given, _)| *given).map(|(_, flag)| *flag);
+    std::iter::once(command).chain(given).collect::<Vec<_>>().join(" ")
+}
+
+/// What Linux says of this process.
+pub(super) fn status_of_process(key: &str) -> Option<String> {
+    let status = std::fs::read_to_string("/proc/self/status").ok()?;
+    let value = status.lines().find_map(|line| line.strip_prefix(key)?.strip_prefix(':'))?;
+    Some(value.trim().to_owned())
+}
+
 pub(super) fn processors() -> usize {
     std::thread::available_parallelism().map_or(1, usize::from)
 }
@@ -79,23 +92,13 @@ pub(crate) fn on_interrupt(message: String) -> Result<(), CliError> {
 fn on_signal(then: impl Fn(i32) + Send + 'static) -> std::io::Result<()> {
     use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
     let mut ends = vec![SIGINT, SIGTERM];
-    ends.extend((!hangup_is_ignored()).then_some(SIGHUP));
+    // A program started by `nohup` ignores SIGHUP, the lowest bit. If unknown, the system's reaction is left alone.
+    let ignored = status_of_process("SigIgn").and_then(|mask| u64::from_str_radix(&mask, 16).ok());
+    ends.extend(ignored.is_some_and(|mask| mask & 1 == 0).then_some(SIGHUP));
     let mut signals = signal_hook::iterator::Signals::new(ends)?;
     let wait = move || signals.forever().for_each(then);
     std::thread::Builder::new().name("signals".into()).spawn(wait)?;
     Ok(())
-}
-
-/// Whether the program was started by `nohup`. If unknown, the system's reaction to a hangup is left alone.
-#[cfg(unix)]
-fn hangup_is_ignored() -> bool {
-    let ignored = || {
-        let status = std::fs::read_to_string("/proc/self/status").ok()?;
-        let mask = status.lines().find_map(|line| line.strip_prefix("SigIgn:"))?;
-        u64::from_str_radix(mask.trim(), 16).ok()
-    };
-    // The lowest bit is signal 1.
-    ignored().is_none_or(|mask| mask & 1 != 0)
 }
 
 #[cfg(not(unix))]

@@ -3,7 +3,7 @@
 
 use std::path::PathBuf;
 
-use super::machine::Allowance;
+use super::machine::{Allowance, options};
 use super::run::{BASELINE, LATEST, What, recorded};
 use super::scenes::Chosen;
 use super::swept::Swept;
@@ -48,11 +48,20 @@ impl MergeCommand {
         let baseline = self.baseline.as_deref().map(recorded).transpose()?;
         let parts = Parts::open(&self.parts)?;
         let out = OutputDirectory::take(&self.out)?;
-        self.apart(&parts)?;
+        if let Some(dir) = parts.dirs.iter().find(|dir| same_file(dir, &self.out)) {
+            let what =
+                "the merged records would replace those that are merged; choose another --out";
+            return Err(CliError::about(dir.display(), what));
+        }
         let count = parts.dirs.len();
         let merged = parts.merge(wanted.as_deref(), self.incomplete, baseline.as_ref());
         let Merged { records, verdicts, missing, comparison, mut provenance } = merged?;
-        provenance.run = Some(Circumstances::new(&super::BUILD, 1, &self.options()));
+        let flags = [
+            (self.cases.is_some(), "--cases"),
+            (self.incomplete, "--incomplete"),
+            (self.baseline.is_some(), "--baseline"),
+        ];
+        provenance.run = Some(Circumstances::new(&super::BUILD, 1, &options("merge", &flags)));
         replace_records(&self.out, &provenance, false)?;
         let table = self.out.join("cases.csv");
         write_sorted(&table, &records)?;
@@ -73,23 +82,6 @@ impl MergeCommand {
             print_text(&format!("records: {}", table.display()));
         }
         Ok(if missing.is_some() { super::COULD_NOT_JUDGE } else { swept.exit_code() })
-    }
-
-    /// Refuses to overwrite its input.
-    fn apart(&self, parts: &Parts) -> Result<(), CliError> {
-        let same = parts.dirs.iter().find(|dir| same_file(dir, &self.out));
-        let what = "the merged records would replace those that are merged; choose another --out";
-        same.map_or(Ok(()), |dir| Err(CliError::about(dir.display(), what)))
-    }
-
-    fn options(&self) -> String {
-        let flags = [
-            (self.cases.is_some(), " --cases"),
-            (self.incomplete, " --incomplete"),
-            (self.baseline.is_some(), " --baseline"),
-        ];
-        let given = flags.into_iter().filter(|(given, _)| *given).map(|(_, flag)| flag);
-        std::iter::once("merge").chain(given).collect()
     }
 }
 

@@ -34,7 +34,7 @@ use output::{
     TABLE_WIDTH, delivered, print_as_it_is, print_beside, print_error, print_json, print_text,
     print_verdicts, prints_all, verdict_table, width,
 };
-use scenes::{Scenes, meshes_fit, note_groups, subject};
+use scenes::{Scenes, note_groups, subject};
 
 /// Parses the arguments of the process and runs the command.
 pub fn main() -> ExitCode {

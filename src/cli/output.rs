@@ -18,13 +18,8 @@ static STOPPED: OnceLock<io::Error> = OnceLock::new();
 
 /// Prints a value, its keys in the order of the alphabet.
 pub(crate) fn print_json(value: &impl Serialize) -> Result<(), CliError> {
-    print_as_it_is(&harmless_json(&sorted(value)?));
+    print_as_it_is(&harmless_json(&format!("{:#}", serde_json::to_value(value)?)));
     Ok(())
-}
-
-fn sorted(value: &impl Serialize) -> Result<String, CliError> {
-    let text = serde_json::to_value(value).map(|value| format!("{value:#}"));
-    text.map_err(CliError::other)
 }
 
 /// Prints to stdout; control characters of foreign text are disarmed.
@@ -51,7 +46,10 @@ pub(crate) fn print_verdicts(verdicts: &[Verdict]) {
     let all = prints_all(verdicts);
     let some = listed(verdicts, all);
     if all || !some.is_empty() {
-        print_as_it_is(&shown(&harmless(&verdict_table(&some))));
+        let table = harmless(&verdict_table(&some)).into_owned();
+        // Not with NO_COLOR (any value) or a dumb terminal.
+        let colours = console::Term::stdout().features().colors_supported();
+        print_as_it_is(&if colours { coloured(&table) } else { table });
     }
     if !all {
         let others = verdicts.len() - some.len();
@@ -127,14 +125,6 @@ const PLAIN: &str = "\u{1b}[0m";
 
 /// Head of the coloured column.
 const HEAD: &str = "verdict";
-
-/// A table of verdicts, coloured if stdout allows it: not with NO_COLOR (any value) or a dumb terminal.
-pub(super) fn shown(table: &str) -> String {
-    match console::Term::stdout().features().colors_supported() {
-        true => coloured(table),
-        false => table.to_owned(),
-    }
-}
 
 /// Colours the words in the column of verdicts; widths are unchanged.
 fn coloured(table: &str) -> String {

@@ -35,9 +35,12 @@ pub(crate) struct Report {
 
 impl Report {
     pub(super) fn execute(&self, scenes: &Scenes) -> Result<u8, CliError> {
-        let typesetter = self.pdf.as_deref().map(Typesetter::find).transpose()?;
-        let _held = self.hold()?;
+        let pdf = self.pdf.as_ref().map(|file| typesetter().map(|program| (file, program)));
+        let pdf = pdf.transpose()?;
         let path = self.dir.join("cases.csv");
+        // A directory without a table, e.g. a mistyped name, is not created. A running sweep has no final results.
+        std::fs::metadata(&path).map_err(|error| CliError::about(path.display(), error))?;
+        let _held = OutputDirectory::take(&self.dir)?;
         let read = read_table(&path).and_then(|table| table.unchanged(&path));
         let CaseTable { cases: mut records, torn, .. } = read?;
         let Earlier { failures, foreseen, cause } = read_earlier(&self.dir.join("verdict.json"))?;
@@ -47,14 +50,28 @@ impl Report {
             let hint = "report them by that version, or run the scenes again by this one";
             return Err(CliError::about(self.dir.display(), format!("{other}; {hint}")));
         }
-        let of_records: Vec<Scene> = self
-            .names(&records, known.as_ref())?
-            .iter()
+        // Those planned as well.
+        let names = known.iter().flat_map(|known| known.scenes.keys());
+        let names: BTreeSet<&String> =
+            records.iter().map(|record| &record.scene).chain(names).collect();
+        if names.is_empty() {
+            let reason = "no cases in it, and no provenance.json that says which were to be there";
+            return Err(CliError::about(path.display(), reason));
+        }
+        let of_records: Vec<Scene> = names
+            .into_iter()
             .map(|name| self.scene(name, known.as_ref(), scenes))
             .collect::<Result<_, _>>()?;
         let (mut verdicts, mut summaries, mut missing) = (Vec::new(), Vec::new(), Vec::new());
         for scene in &of_records {
-            let owed = owed(scene, &records, known.as_ref());
+            // Without a plan only existing cases are known.
+            let plan = known.as_ref().filter(|known| known.scenes.contains_key(&scene.name));
+            let plan = plan.map_or_else(Vec::new, |known| planned(scene, known));
+            let owed = missing_cases(&scene.name, &plan, &records);
+            let of_scene = records.iter().filter(|record| record.scene == scene.name);
+            let keys: BTreeSet<Key> =
+                of_scene.map(CaseRecord::key).chain(owed.iter().cloned()).collect();
+            let keys: Vec<Key> = keys.into_iter().collect();
             // An interrupted run wrote neither verdicts nor predicted constants.
             let unknown = scene.judge && !foreseen.iter().any(|known| known.scene == scene.name);
             let subject = match Subject::new(scene.clone()) {
@@ -63,63 +80,34 @@ impl Report {
                 subject => subject.ok(),
             };
             verdicts.extend(match subject.as_ref().filter(|_| unknown) {
-                Some(subject) => judge_subject(subject, &records, &owed.keys),
-                None => judge_scene(scene, &records, &owed.keys, &foreseen),
+                Some(subject) => judge_subject(subject, &records, &keys),
+                None => judge_scene(scene, &records, &keys, &foreseen),
             });
             let mut summary = scene_summary(scene, subject.as_ref());
-            if !owed.missing.is_empty() {
-                summary.remarks.push(unfinished_in_words(&owed.missing));
+            if !owed.is_empty() {
+                summary.remarks.push(unfinished_in_words(&owed));
             }
             summaries.push(summary);
-            missing.extend(owed.missing);
+            missing.extend(owed);
         }
         let provenance = known.unwrap_or_else(|| Provenance::new(of_records.iter())).json();
         write_all(&self.dir, &summaries, &records, &verdicts, &provenance, None, cause.as_ref())?;
-        if let Some(typesetter) = &typesetter {
-            typesetter.set(&self.dir, self.date.as_deref())?;
+        if let Some((file, program)) = &pdf {
+            write_named(file, &typeset(program, &self.dir, self.date.as_deref())?)?;
         }
         print_verdicts(&verdicts);
         print_text(&format!("report: {}", self.dir.join("index.html").display()));
-        if let Some(path) = &self.pdf {
+        if let Some((path, _)) = &pdf {
             print_text(&format!("pdf: {}", path.display()));
         }
-        match self.unfinished(torn, &missing) {
-            Some(error) => Err(error),
-            None => Ok(exit_code(&records, &verdicts)),
-        }
-    }
-
-    /// Locks the directory, since a running sweep has no final results. A directory without a table, e.g. a mistyped
-    /// name, is not created.
-    fn hold(&self) -> Result<OutputDirectory, CliError> {
-        let table = self.dir.join("cases.csv");
-        std::fs::metadata(&table).map_err(|error| CliError::about(table.display(), error))?;
-        Ok(OutputDirectory::take(&self.dir)?)
-    }
-
-    /// The scenes of the records, and those planned.
-    fn names(
-        &self,
-        records: &[CaseRecord],
-        known: Option<&Provenance>,
-    ) -> Result<BTreeSet<String>, CliError> {
-        let planned = known.into_iter().flat_map(|known| known.scenes.keys());
-        let names: BTreeSet<String> =
-            records.iter().map(|record| &record.scene).chain(planned).cloned().collect();
-        if names.is_empty() {
-            let reason = "no cases in it, and no provenance.json that says which were to be there";
-            return Err(CliError::about(self.dir.join("cases.csv").display(), reason));
-        }
-        Ok(names)
-    }
-
-    /// An error about cases still owed; the report shows the rest.
-    fn unfinished(&self, torn: bool, missing: &[Key]) -> Option<CliError> {
+        // The report shows the rest.
         let cut = "the last line of cases.csv is incomplete and was ignored";
-        let open = (!missing.is_empty()).then(|| unfinished_in_words(missing));
+        let open = (!missing.is_empty()).then(|| unfinished_in_words(&missing));
         let all: Vec<String> = torn.then(|| cut.into()).into_iter().chain(open).collect();
-        let unfinished = format!("unfinished: {}", all.join("; "));
-        (!all.is_empty()).then(|| CliError::about(self.dir.display(), unfinished))
+        if all.is_empty() {
+            return Ok(exit_code(&records, &verdicts));
+        }
+        Err(CliError::about(self.dir.display(), format!("unfinished: {}", all.join("; "))))
     }
 
     /// The scene by the text kept with the records; from the folder of scenes if that is named, or no text is kept.
@@ -153,57 +141,29 @@ impl Report {
     }
 }
 
-struct Owed {
-    /// Cases that exist or are owed.
-    keys: Vec<Key>,
-    /// Missing or incomplete cases.
-    missing: Vec<Key>,
-}
-
-/// Planned by the provenance; without one only existing cases are known.
-fn owed(scene: &Scene, records: &[CaseRecord], known: Option<&Provenance>) -> Owed {
-    let of_scene = records.iter().filter(|record| record.scene == scene.name);
-    let mut keys: Vec<Key> = of_scene.map(CaseRecord::key).collect();
-    let known = known.filter(|known| known.scenes.contains_key(&scene.name));
-    let planned = known.map_or_else(Vec::new, |known| planned(scene, known));
-    let missing = missing_cases(&scene.name, &planned, records);
-    keys.extend(missing.iter().cloned());
-    keys.sort();
-    keys.dedup();
-    Owed { keys, missing }
-}
-
 // The PDF of a report, by the program `typeset` that stands beside this one.
 
-/// The program, and the file for its PDF.
-pub(super) struct Typesetter<'a> {
-    program: PathBuf,
-    file: &'a Path,
+/// The program.
+fn typesetter() -> Result<PathBuf, CliError> {
+    let name = format!("typeset{}", std::env::consts::EXE_SUFFIX);
+    let program = std::env::current_exe()?.with_file_name(name);
+    if program.is_file() {
+        return Ok(program);
+    }
+    Err(CliError::other(format!(
+        "a PDF is set by the program `typeset`, and {} is not there: in a clone `make pdf` builds it for target/release, `cargo install --path crates/report --features pdf` for an installed sweep; without it, `typst compile report.typ` sets what `sweep report` writes",
+        program.display()
+    )))
 }
 
-impl<'a> Typesetter<'a> {
-    /// The program beside this one.
-    pub(super) fn find(file: &'a Path) -> Result<Self, CliError> {
-        let name = format!("typeset{}", std::env::consts::EXE_SUFFIX);
-        let program = std::env::current_exe()?.with_file_name(name);
-        if program.is_file() {
-            return Ok(Self { program, file });
-        }
-        Err(CliError::other(format!(
-            "a PDF is set by the program `typeset`, and {} is not there: in a clone `make pdf` builds it for target/release, `cargo install --path crates/report --features pdf` for an installed sweep; without it, `typst compile report.typ` sets what `sweep report` writes",
-            program.display()
-        )))
+/// The report in a directory, set.
+fn typeset(program: &Path, dir: &Path, date: Option<&str>) -> Result<Vec<u8>, CliError> {
+    let refused = |why: String| CliError::about(program.display(), why);
+    let output = Command::new(program).arg(dir).args(date).output();
+    let output = output.map_err(|error| refused(error.to_string()))?;
+    if output.status.success() {
+        return Ok(output.stdout);
     }
-
-    /// Sets the report in a directory.
-    pub(super) fn set(&self, dir: &Path, date: Option<&str>) -> Result<(), CliError> {
-        let output = Command::new(&self.program).arg(dir).args(date).output();
-        let output = output.map_err(|error| CliError::about(self.program.display(), error))?;
-        if !output.status.success() {
-            let said = String::from_utf8_lossy(&output.stderr);
-            let reason = format!("ended with {}: {}", output.status, said.trim_end());
-            return Err(CliError::about(self.program.display(), reason));
-        }
-        Ok(write_named(self.file, &output.stdout)?)
-    }
+    let said = String::from_utf8_lossy(&output.stderr);
+    Err(refused(format!("ended with {}: {}", output.status, said.trim_end())))
 }

@@ -1,5 +1,6 @@
 //! `sweep run` and `sweep gate`.
 
+use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
@@ -7,12 +8,11 @@ use rayon::prelude::*;
 
 use super::machine::{Allowance, on_interrupt, processors};
 use super::scenes::Chosen;
-use super::swept::{Swept, annotate, on_github};
+use super::swept::{ForCi, Swept};
 use super::{CliError, Scenes, print_json, print_text};
 use files::{counted, quoted, read_file, write_named};
 use judge::record::{CaseRecord, Key, RecordError, write_sorted};
 use judge::verdict::{Baseline, Verdict, failures, write_json};
-use report::write_junit;
 use run::sweep::{
     Machine, OutputDirectory, Provenance, ScenePlan, SweepError, judge_plan, reference_error,
     run_sweep,
@@ -49,16 +49,11 @@ pub(crate) struct Run {
 pub(crate) struct Gate {
     #[command(flatten)]
     what: What,
-    /// Write the verdicts as JUnit XML
-    #[arg(long, value_name = "FILE")]
-    junit: Option<PathBuf>,
+    #[command(flatten)]
+    ci: ForCi,
     /// Write verdict.json to this file as well
     #[arg(long, value_name = "FILE")]
     json: Option<PathBuf>,
-    /// Print annotations for GitHub Actions, and append the verdicts to the file that
-    /// GITHUB_STEP_SUMMARY names; set by GITHUB_ACTIONS=true as well
-    #[arg(long)]
-    github: bool,
 }
 
 #[derive(Args, Default, Clone)]
@@ -133,17 +128,14 @@ impl Run {
     fn record(&self, scenes: &Scenes) -> Result<u8, CliError> {
         let mut what = self.what.clone();
         if what.chosen.scenes.is_empty() {
-            let mut names: Vec<String> = self.only.iter().map(|key| key.scene.clone()).collect();
-            names.sort();
-            names.dedup();
-            what.chosen.scenes = names;
+            let names: BTreeSet<&String> = self.only.iter().map(|key| &key.scene).collect();
+            what.chosen.scenes = names.into_iter().cloned().collect();
         }
         let mut plans = what.plans(scenes)?;
-        for key in &self.only {
-            if !plans.iter().any(|plan| plan.keys().contains(key)) {
-                let why = "these scenes and grids have no such case: give the same SCENE, --n and --steps as for --list-cases";
-                return Err(CliError::about(key.word(), why));
-            }
+        let is_there = |key: &Key| plans.iter().any(|plan| plan.keys().contains(key));
+        if let Some(key) = self.only.iter().find(|key| !is_there(key)) {
+            let why = "these scenes and grids have no such case: give the same SCENE, --n and --steps as for --list-cases";
+            return Err(CliError::about(key.word(), why));
         }
         for plan in &mut plans {
             let keys = plan.keys();
@@ -184,13 +176,9 @@ impl Gate {
         if let Some(path) = &self.json {
             write_named(path, &read_file(&document)?)?;
         }
-        if let Some(path) = &self.junit {
-            write_junit(path, &swept.verdicts, &swept.provenance, swept.comparison.as_ref())?;
-        }
+        self.ci.write_junit(&swept)?;
         swept.print();
-        if on_github(self.github) {
-            annotate(&swept.plans, &swept.records, &swept.verdicts)?;
-        }
+        self.ci.annotate(&swept)?;
         Ok(swept.exit_code())
     }
 }
@@ -209,9 +197,8 @@ impl What {
         let out = OutputDirectory::take(&self.out)?;
         let (machine, records) = self.records(&plans, &out, resume, &self.resuming(scenes))?;
         // Predicted constants are integrals of the exact solution: on many scenes they take seconds.
-        let verdicts: Vec<Vec<Verdict>> =
-            plans.par_iter().map(|plan| judge_plan(plan, &records, true)).collect();
-        let verdicts = verdicts.concat();
+        let judged = plans.par_iter().map(|plan| judge_plan(plan, &records, true));
+        let verdicts = judged.collect::<Vec<Vec<Verdict>>>().concat();
         let provenance = Provenance::of_run(&plans, &machine).json();
         let comparison = baseline.map(|baseline| {
             let own_grids = self.chosen.grid.is_own();
@@ -222,16 +209,8 @@ impl What {
             |plan: &ScenePlan| Some((plan.scene().name.clone(), reference_error(plan, &records)?));
         let references = plans.iter().filter_map(found).collect();
         let _out = Some(out);
-        Ok(Swept {
-            plans,
-            records,
-            verdicts,
-            provenance,
-            comparison,
-            references,
-            cause: None,
-            _out,
-        })
+        let cause = None;
+        Ok(Swept { plans, records, verdicts, provenance, comparison, references, cause, _out })
     }
 
     /// Runs the cases of the plans; `resuming` is the command that goes on with them.
@@ -246,17 +225,16 @@ impl What {
         let options = self.options(resume).join(" ");
         let machine =
             Machine { jobs, memory: self.allowance.limit(), build: super::BUILD, options };
-        let kept_in = self.out.display();
-        on_interrupt(format!(
-            "interrupted; finished cases are kept in {kept_in}\ngo on with: {resuming}"
-        ))?;
+        let kept = self.out.display();
+        let go_on = format!("finished cases are kept in {kept}\ngo on with: {resuming}");
+        on_interrupt(format!("interrupted; {go_on}"))?;
         let progress = super::output::Display::new();
         match run_sweep(plans, out, &machine, resume, &progress) {
             Ok(records) => Ok((machine, records)),
             // Records are kept whatever stopped the writing.
-            Err(SweepError::Record(error @ RecordError::Io(_))) => Err(CliError::other(format!(
-                "{error}\nfinished cases are kept in {kept_in}\ngo on with: {resuming}"
-            ))),
+            Err(SweepError::Record(error @ RecordError::Io(_))) => {
+                Err(CliError::other(format!("{error}\n{go_on}")))
+            }
             Err(error) => Err(error.into()),
         }
     }
@@ -267,15 +245,12 @@ impl What {
         let elsewhere =
             scenes.named || self.chosen.scenes.iter().any(|name| name.ends_with(".toml"));
         match &self.baseline {
-            Some(path) => return recorded(path).map(Some),
-            None if elsewhere => return Ok(None),
-            None => {}
-        }
-        match Baseline::read(BASELINE.as_ref())? {
-            None if scenes.folder.is_none() => {
-                crate::shipped::baseline().map(Some).map_err(CliError::other)
-            }
-            read => Ok(read),
+            Some(path) => recorded(path).map(Some),
+            None if elsewhere => Ok(None),
+            None => match Baseline::read(BASELINE.as_ref())? {
+                None if scenes.folder.is_none() => Ok(Some(crate::shipped::baseline()?)),
+                read => Ok(read),
+            },
         }
     }
 

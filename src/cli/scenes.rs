@@ -7,6 +7,7 @@ use super::CliError;
 use super::machine::share_threads;
 use ::run::sweep::{MemoryLimit, Overrides, ScenePlan, admit_constants, admit_run};
 use clap::Args;
+use fem::contact::Discretization;
 use rayon::prelude::*;
 use scene::setup::{Setup, Subject};
 use scene::{Registry, Scene, SceneError};
@@ -30,10 +31,8 @@ impl Scenes {
 
     /// Its description for users.
     pub(super) fn place(&self) -> String {
-        match &self.folder {
-            Some(folder) => format!("in {}", folder.display()),
-            None => "inside this program".to_owned(),
-        }
+        let folder = self.folder.as_ref().map(|folder| format!("in {}", folder.display()));
+        folder.unwrap_or_else(|| "inside this program".into())
     }
 
     /// A scene by name or path.
@@ -61,21 +60,20 @@ impl Scenes {
 
     /// The named scenes, or all.
     pub(super) fn select(&self, names: &[String]) -> Result<Vec<Scene>, CliError> {
-        if !names.is_empty() {
-            let scenes: Vec<Scene> =
-                names.iter().map(|name| self.scene(name)).collect::<Result<_, _>>()?;
-            let mut seen: BTreeMap<&str, &Path> = BTreeMap::new();
-            for Scene { name, source, .. } in &scenes {
-                if let Some(first) = seen.insert(name, &source.path) {
-                    let (name, first, second) = (name.clone(), first.into(), source.path.clone());
-                    return Err(SceneError::Duplicate { name, first, second }.into());
-                }
-            }
-            return Ok(scenes);
+        if names.is_empty() {
+            let registry = self.registry()?;
+            return registry.names().map(|name| Ok(registry.load(name)?)).collect();
         }
-        let registry = self.registry()?;
-        let all: Vec<String> = registry.names().map(str::to_owned).collect();
-        all.iter().map(|name| Ok(registry.load(name)?)).collect()
+        let scenes: Vec<Scene> =
+            names.iter().map(|name| self.scene(name)).collect::<Result<_, _>>()?;
+        let mut seen: BTreeMap<&str, &Path> = BTreeMap::new();
+        for Scene { name, source, .. } in &scenes {
+            if let Some(first) = seen.insert(name, &source.path) {
+                let (name, first, second) = (name.clone(), first.into(), source.path.clone());
+                return Err(SceneError::Duplicate { name, first, second }.into());
+            }
+        }
+        Ok(scenes)
     }
 }
 
@@ -99,15 +97,15 @@ pub(super) fn note_groups(scene: &Scene) {
     }
 }
 
-/// Refuses a scene whose meshes do not fit into memory, before any is made.
-pub(super) fn meshes_fit(setup: &Setup, limit: &MemoryLimit) -> Result<(), CliError> {
-    let sweep = setup.scene.sweep.iter();
-    let mut ns =
-        sweep.flat_map(|sweep| sweep.n.iter().copied().chain(sweep.reference.map(|r| r.n)));
-    ns.try_for_each(|n| {
-        admit_run(setup, None, (n, 1), limit)
-            .map_err(|error| CliError::about(format!("{} n = {n}", setup.scene.name), error))
-    })
+/// Refuses a run on n and N that does not fit into memory, if possible before the mesh is made.
+pub(super) fn admit(
+    setup: &Setup,
+    space: Option<&Discretization>,
+    grid: (u32, u32),
+    limit: &MemoryLimit,
+) -> Result<(), CliError> {
+    let about = |error| CliError::about(format!("{} n = {}", setup.scene.name, grid.0), error);
+    admit_run(setup, space, grid, limit).map_err(about)
 }
 
 // Arguments that select scenes and grids, shared by several commands.
@@ -127,11 +125,6 @@ impl<const STEPS: i64> Grid<STEPS> {
     /// Whether the grids are those of the scenes.
     pub(super) fn is_own(&self) -> bool {
         self.n.is_none() && self.steps.is_none()
-    }
-
-    /// Refuses numbers that the scene cannot have.
-    pub(super) fn check(&self, scene: &Scene) -> Result<(), SceneError> {
-        self.overrides().check(scene)
     }
 
     pub(super) fn overrides(&self) -> Overrides {
@@ -170,12 +163,14 @@ impl Chosen {
             if scene.long && !self.all && !self.named() {
                 return Ok(None);
             }
-            self.grid.check(&scene)?;
+            overrides.check(&scene)?;
             let plan = ScenePlan::new(subject(scene, limit)?, &overrides);
-            match (plan.cases.is_empty(), self.named()) {
-                (true, false) => return Ok(None),
-                (true, true) => return Err(plan.scene().no_case("run").into()),
-                (false, _) => {}
+            if plan.cases.is_empty() {
+                return if self.named() {
+                    Err(plan.scene().no_case("run").into())
+                } else {
+                    Ok(None)
+                };
             }
             let remark = plan.step_remark()?;
             Ok::<_, CliError>(Some((plan, remark)))

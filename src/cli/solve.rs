@@ -8,13 +8,13 @@ use std::time::Instant;
 
 use clap::{Args, ValueEnum};
 
-use super::machine::Common;
+use super::machine::{Common, status_of_process};
+use super::scenes::admit;
 use super::{CliError, Scenes, abstract_problem, print_json, print_text, subject, width};
-use fem::contact::{CaseInfo, Discretization, Model, StepView};
+use fem::contact::{Discretization, Model, StepView};
 use files::{digits, make_directory, replace_file};
 use pictures::Pictures;
 use report::StudyDocument;
-use run::sweep::admit_run;
 use scene::setup::{
     MeshData, Setup, StepRemark, Subject, abstract_decomposition_bound, decomposition_bound,
 };
@@ -97,7 +97,7 @@ impl Solve {
         match (subject, self.n) {
             (Subject::Contact(setup), Some(n)) => {
                 setup.scene.check_cells(n)?;
-                self.admit(&setup, n, None)?;
+                admit(&setup, None, (n, self.steps), &self.common.allowance.limit())?;
                 match self.estimate {
                     true => self.estimated(&setup, n),
                     false => self.contact(&setup, n),
@@ -135,8 +135,7 @@ impl Solve {
             files.write(space, &setup.model, view);
             pull.see(space, view);
         };
-        let found = estimate(setup, [n, self.steps], wanted, &limit, &mut watch);
-        let found = found?;
+        let found = estimate(setup, [n, self.steps], wanted, &limit, &mut watch)?;
         files.finish()?;
         pull.remark(setup);
         match self.common.json {
@@ -164,11 +163,47 @@ impl Solve {
     fn contact(&self, setup: &Setup, n: u32) -> Result<u8, CliError> {
         let start = Instant::now();
         let data = MeshData::new(setup, n, None)?;
-        self.admit(setup, n, Some(&data.space))?;
+        let limit = self.common.allowance.limit();
+        admit(setup, Some(&data.space), (n, self.steps), &limit)?;
         let bound = || decomposition_bound(setup, &data.space, n, self.steps);
         let bound = self.decomposes().then(bound).transpose()?;
         self.remark_on(&setup.scene.name, bound);
-        let (info, state, seconds) = self.march(setup, n, &data, start)?;
+        let (name, plane) = (&setup.scene.name, data.space.mesh.dimension == 2);
+        let mut files = Files::new(self.vtu.as_ref(), name)?;
+        let mut pull = Pull::default();
+        if self.pictures.is_some() && !plane {
+            let way_out = "--pictures draws plane bodies only; use --vtu for any body";
+            return Err(CliError::about(name, way_out));
+        }
+        let drawn = self.pictures.as_ref();
+        let mut pictures = drawn.map(|dir| (dir, Pictures::new(&data.space, name, n, self.steps)));
+        let mut last = None;
+        let mut observe = |view: &StepView<'_>| {
+            files.write(&data.space, &setup.model, view);
+            pull.see(&data.space, view);
+            let end = view.n == self.steps as usize;
+            if let Some((_, pictures)) = &mut pictures {
+                pictures.add(&data.space, &setup.model, data.truth.as_ref(), view, end)?;
+            }
+            if end {
+                last = Some(FinalState::new(&data.space, &setup.model, view));
+            }
+            Ok(())
+        };
+        let steps = self.steps;
+        let info = data
+            .march(setup, steps, &*self.solver.of_levels(), &mut observe)
+            .map_err(|error| CliError::about(format!("{name} n = {n} steps = {steps}"), error))?;
+        let seconds = start.elapsed().as_secs_f64();
+        files.finish()?;
+        pull.remark(setup);
+        if let Some((dir, pictures)) = pictures {
+            make_directory(dir)?;
+            for (file, svg) in pictures.finish() {
+                replace_file(&dir.join(file), svg.as_bytes())?;
+            }
+        }
+        let state = last.ok_or_else(|| CliError::other("the run stopped before its last step"))?;
         let linear = &info.work.linear;
         let mut document = serde_json::to_value(state)?;
         let of_run = json!({
@@ -192,69 +227,12 @@ impl Solve {
             return Ok(0);
         }
         let case = format!(
-            "{}, n = {n} (h = {}), N = {} (k = {})",
-            setup.scene.name,
+            "{name}, n = {n} (h = {}), N = {steps} (k = {})",
             digits(setup.body.domain.h(n), 4),
-            self.steps,
-            digits(setup.grid(self.steps).largest_step(), 4)
+            digits(setup.grid(steps).largest_step(), 4)
         );
         print_text(&words::in_words(&case, &document, data.space.mesh.dimension));
         Ok(0)
-    }
-
-    /// Marches, writes the requested files of each level, and returns the last level with the seconds since `start`.
-    fn march(
-        &self,
-        setup: &Setup,
-        n: u32,
-        data: &MeshData,
-        start: Instant,
-    ) -> Result<(CaseInfo, FinalState, f64), CliError> {
-        let (name, plane) = (&setup.scene.name, data.space.mesh.dimension == 2);
-        let mut files = Files::new(self.vtu.as_ref(), name)?;
-        let mut pull = Pull::default();
-        if self.pictures.is_some() && !plane {
-            return Err(CliError::about(
-                name,
-                "--pictures draws plane bodies only; use --vtu for any body",
-            ));
-        }
-        let drawn = self.pictures.is_some();
-        let mut pictures = drawn.then(|| Pictures::new(&data.space, name, n, self.steps));
-        let mut last = None;
-        let mut observe = |view: &StepView<'_>| {
-            files.write(&data.space, &setup.model, view);
-            pull.see(&data.space, view);
-            let end = view.n == self.steps as usize;
-            if let Some(pictures) = &mut pictures {
-                pictures.add(&data.space, &setup.model, data.truth.as_ref(), view, end)?;
-            }
-            if end {
-                last = Some(FinalState::new(&data.space, &setup.model, view));
-            }
-            Ok(())
-        };
-        let steps = self.steps;
-        let info = data
-            .march(setup, steps, &*self.solver.of_levels(), &mut observe)
-            .map_err(|error| CliError::about(format!("{name} n = {n} steps = {steps}"), error))?;
-        let seconds = start.elapsed().as_secs_f64();
-        files.finish()?;
-        pull.remark(setup);
-        if let (Some(pictures), Some(dir)) = (pictures, &self.pictures) {
-            make_directory(dir)?;
-            for (file, svg) in pictures.finish() {
-                replace_file(&dir.join(file), svg.as_bytes())?;
-            }
-        }
-        let state = last.ok_or_else(|| CliError::other("the run stopped before its last step"))?;
-        Ok((info, state, seconds))
-    }
-
-    /// Refuses a run that does not fit into memory, if possible before the mesh is made.
-    fn admit(&self, setup: &Setup, n: u32, space: Option<&Discretization>) -> Result<(), CliError> {
-        admit_run(setup, space, (n, self.steps), &self.common.allowance.limit())
-            .map_err(|error| CliError::about(format!("{} n = {n}", setup.scene.name), error))
     }
 }
 
@@ -314,8 +292,6 @@ impl Pull {
 
 /// Peak resident memory of this process (Linux only).
 fn peak_resident_bytes() -> Option<u64> {
-    let status = std::fs::read_to_string("/proc/self/status").ok()?;
-    let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"))?;
-    let kibibytes: u64 = line.trim().strip_suffix("kB")?.trim().parse().ok()?;
+    let kibibytes = status_of_process("VmHWM")?.strip_suffix("kB")?.trim().parse::<u64>().ok()?;
     Some(1024 * kibibytes)
 }

@@ -187,18 +187,14 @@ impl DiagnoseCommand {
         let scene = scenes.scene(&self.scene)?;
         admit_diagnosis(&scene, processors(), &self.common.allowance.limit())?;
         let cases = scene.sweep.as_ref().map_or(0, |sweep| sweep.n.len() * sweep.steps.len());
-        super::output::note(&format!(
-            "running {} of the scene, then its variants",
-            counted(cases, "case")
-        ));
+        let cases = counted(cases, "case");
+        super::output::note(&format!("running {cases} of the scene, then its variants"));
         let findings = diagnose(&scene, &|setup| setup, self.always)?.findings();
         show(&findings, None, self.common.json)
     }
 }
 
 // `sweep extremes`: ladders from ordinary to extreme parameters, each rung against its expectation.
-
-const WIDTH: u16 = 132;
 
 /// `sweep extremes`.
 #[derive(Args)]
@@ -223,9 +219,21 @@ pub(crate) struct Extremes {
 
 impl Extremes {
     pub(super) fn execute(&self) -> Result<u8, CliError> {
-        let ladders = self.chosen()?;
+        let mut ladders = catalogue(self.long);
+        let names: Vec<&str> = ladders.iter().map(|ladder| ladder.name).collect();
+        if let Some(unknown) = self.ladder.iter().find(|name| !names.contains(&name.as_str())) {
+            let message = format!("no ladder `{unknown}`; there are {}", names.join(", "));
+            return Err(CliError::other(message));
+        }
+        let named = |ladder: &Ladder| self.ladder.iter().any(|name| name == ladder.name);
+        ladders.retain(|ladder| self.ladder.is_empty() || named(ladder));
         if self.list {
-            print_text(&listed(&ladders));
+            let row =
+                |of: &Ladder| json!([of.name, of.parameter, of.rungs.len(), of.quantity, of.why]);
+            let rows = ladders.iter().map(row).collect();
+            let columns =
+                "ladder = 0; parameter = 1; >rungs = 2; measured = 3; expected because = 4";
+            print_text(&json_table(&rows, columns, width(StudyDocument::WIDTH)));
             return Ok(0);
         }
         let under_test = UnderTest::default();
@@ -241,24 +249,4 @@ impl Extremes {
         }
         show(&found(&ladders, &self.ladder, &climbed), self.out.as_deref(), self.common.json)
     }
-
-    fn chosen(&self) -> Result<Vec<Ladder>, CliError> {
-        let all = catalogue(self.long);
-        let names: Vec<&str> = all.iter().map(|ladder| ladder.name).collect();
-        if let Some(unknown) = self.ladder.iter().find(|name| !names.contains(&name.as_str())) {
-            let message = format!("no ladder `{unknown}`; there are {}", names.join(", "));
-            return Err(CliError::other(message));
-        }
-        let named = |ladder: &Ladder| {
-            self.ladder.is_empty() || self.ladder.iter().any(|name| name == ladder.name)
-        };
-        Ok(all.into_iter().filter(named).collect())
-    }
-}
-
-fn listed(ladders: &[Ladder]) -> String {
-    let row = |of: &Ladder| json!([of.name, of.parameter, of.rungs.len(), of.quantity, of.why]);
-    let rows = ladders.iter().map(row).collect();
-    let columns = "ladder = 0; parameter = 1; >rungs = 2; measured = 3; expected because = 4";
-    json_table(&rows, columns, width(WIDTH))
 }

@@ -2,14 +2,15 @@
 
 use std::fs::OpenOptions;
 use std::io::Write;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use super::{CliError, print_as_it_is, print_text, print_verdicts, prints_all};
+use clap::Args;
 use files::counted;
 use judge::fit::AgainstReference;
 use judge::record::CaseRecord;
 use judge::verdict::{Comparison, Explanation, Verdict, document, exit_code, failures};
-use report::{AnnotationPlace, SceneSummary, annotations, step_summary, write_all};
+use report::{AnnotationPlace, SceneSummary, annotations, step_summary, write_all, write_junit};
 use run::sweep::{OutputDirectory, ScenePlan, reference_in_words};
 use serde_json::{Value, json};
 use studies::portrait::scene_summary;
@@ -80,22 +81,42 @@ impl Swept {
 
 // Verdicts on GitHub Actions: beside the scene file or the table, and in the summary.
 
+/// What continuous integration reads.
+#[derive(Args)]
+pub(super) struct ForCi {
+    /// Write the verdicts as JUnit XML
+    #[arg(long, value_name = "FILE")]
+    junit: Option<PathBuf>,
+    /// Print annotations for GitHub Actions, and append the verdicts to the file that
+    /// GITHUB_STEP_SUMMARY names; set by GITHUB_ACTIONS=true as well
+    #[arg(long)]
+    github: bool,
+}
+
+impl ForCi {
+    /// Writes the file of the option.
+    pub(super) fn write_junit(&self, swept: &Swept) -> Result<(), CliError> {
+        let Swept { verdicts, provenance, comparison, .. } = swept;
+        let Some(path) = &self.junit else { return Ok(()) };
+        Ok(write_junit(path, verdicts, provenance, comparison.as_ref())?)
+    }
+
+    /// Prints an annotation per verdict that is not a plain pass and per failed case, and the count, if wanted.
+    pub(super) fn annotate(&self, swept: &Swept) -> Result<(), CliError> {
+        let Swept { plans, records, verdicts, .. } = swept;
+        match on_github(self.github) {
+            true => announce(records, verdicts, |scene, of| place(plans, scene, of)),
+            false => Ok(()),
+        }
+    }
+}
+
 /// Whether annotations are wanted, by the option or because GitHub Actions runs.
 pub(super) fn on_github(option: bool) -> bool {
     option || std::env::var_os("GITHUB_ACTIONS").is_some_and(|set| set == "true")
 }
 
-/// Prints an annotation per verdict that is not a plain pass and per failed case, and the count; appends the table to
-/// the summary of the step, if there is one.
-pub(crate) fn annotate(
-    plans: &[ScenePlan],
-    records: &[CaseRecord],
-    verdicts: &[Verdict],
-) -> Result<(), CliError> {
-    announce(records, verdicts, |scene, of| place(plans, scene, of))
-}
-
-/// The same for verdicts of whatever origin.
+/// Prints the annotations, and appends the table to the summary of the step, if there is one.
 pub(super) fn announce(
     records: &[CaseRecord],
     verdicts: &[Verdict],

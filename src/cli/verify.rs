@@ -5,19 +5,18 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use clap::{Args, ValueEnum};
-use serde::Serialize;
-use serde_json::json;
+use serde_json::{Value, json};
 
-use super::machine::{Allowance, on_interrupt};
+use super::machine::{Allowance, on_interrupt, options};
 use super::scenes::Grid;
-use super::swept::{Swept, annotate, on_github};
+use super::swept::{ForCi, Swept};
 use super::{
     CliError, Scenes, TABLE_WIDTH, print_beside, print_json, print_text, verdict_table, width,
 };
 use files::shortened;
 use judge::record::{CaseRecord, Key};
 use judge::verdict::{Failure, failures};
-use report::{json_table, write_junit};
+use report::json_table;
 use run::external::{
     ExternalSolver, LOG, Way, by_density, case_dir, last_lines, look_for_cause, on_pressures,
     solver_first, write_case,
@@ -77,13 +76,8 @@ pub(crate) struct Verify {
     /// Directory for records and report
     #[arg(long, value_name = "DIR", default_value = "reports/verify")]
     out: PathBuf,
-    /// Write the verdicts as JUnit XML
-    #[arg(long, value_name = "FILE")]
-    junit: Option<PathBuf>,
-    /// Print annotations for GitHub Actions, and append the verdicts to the file that
-    /// GITHUB_STEP_SUMMARY names; set by GITHUB_ACTIONS=true as well
-    #[arg(long)]
-    github: bool,
+    #[command(flatten)]
+    ci: ForCi,
     /// Print JSON
     #[arg(long)]
     json: bool,
@@ -107,9 +101,10 @@ impl Verify {
         }
         let folder = self.results.clone().unwrap_or_else(|| self.out.join("cases"));
         // The answers stand in their files when a cause is looked for.
-        let answers =
-            ExternalSolver { way: Way::Results, folder: folder.clone(), pressures: self.pressure };
-        let plan = self.plan(scenes, Arc::new(self.solver(folder)?))?;
+        let pressures = self.pressure;
+        let solver = |way, folder| ExternalSolver { way, folder, pressures };
+        let answers = solver(Way::Results, folder.clone());
+        let plan = self.plan(scenes, Arc::new(solver(self.way()?, folder)))?;
         if let Some(remark) = plan.step_remark()? {
             super::output::remark(&plan.scene().name, &remark);
         }
@@ -122,10 +117,12 @@ impl Verify {
             judged.cause = found;
         }
         judged.write(&self.out)?;
-        if let Some(path) = &self.junit {
-            write_junit(path, &judged.verdicts, &judged.provenance, None)?;
-        }
-        let beside = self.beside.then(|| self.run_built_in(scenes)).transpose()?;
+        self.ci.write_junit(&judged)?;
+        let built_in = || {
+            let out = OutputDirectory::take(&self.out.join("own"))?;
+            self.judged(self.plan(scenes, Arc::new(NewtonMarch))?, out)
+        };
+        let beside = self.beside.then(built_in).transpose()?;
         let compared = beside.as_ref().map(|built_in| compare(&judged.records, &built_in.records));
         // Of the scene as it is written: the plan has no claims that the solver cannot answer.
         let note = on_pressures(&scenes.scene(&self.scene)?, self.pressure);
@@ -134,7 +131,7 @@ impl Verify {
             document["pressures"] = json!(note);
             document["cause"] = json!(judged.cause);
             if let Some(rows) = &compared {
-                document["beside"] = json!(rows);
+                document["beside"] = rows.clone();
             }
             print_json(&document)?;
         } else {
@@ -149,11 +146,11 @@ impl Verify {
             if let (Some(built_in), Some(rows)) = (&beside, &compared) {
                 print_text(&format!("built-in solver:\n{}", verdict_table(&built_in.verdicts)));
                 let columns = ">n = n; >N = steps; norm = norm; >error = solver 7; >built-in = own 7; >difference = difference 2";
-                print_text(&json_table(&json!(rows), columns, width(TABLE_WIDTH)));
+                print_text(&json_table(rows, columns, width(TABLE_WIDTH)));
             }
         }
-        if !self.json && on_github(self.github) {
-            annotate(&judged.plans, &judged.records, &judged.verdicts)?;
+        if !self.json {
+            self.ci.annotate(&judged)?;
         }
         Ok(judged.exit_code())
     }
@@ -196,48 +193,32 @@ impl Verify {
         Ok(plan)
     }
 
-    fn solver(&self, folder: PathBuf) -> Result<ExternalSolver, CliError> {
-        let way = match &self.solver {
-            None => Way::Results,
-            Some(command) => {
-                let words = shlex::split(command).filter(|words| !words.is_empty());
-                let wrong = "no command, or a quote without end";
-                let about = || CliError::about(format!("--solver {command:?}"), wrong);
-                let words = words.ok_or_else(about)?;
-                Way::Command { words, limit: Duration::from_secs(self.time_limit) }
-            }
-        };
-        Ok(ExternalSolver { way, folder, pressures: self.pressure })
+    fn way(&self) -> Result<Way, CliError> {
+        let Some(command) = &self.solver else { return Ok(Way::Results) };
+        let words = shlex::split(command).filter(|words| !words.is_empty());
+        let wrong = "no command, or a quote without end";
+        let about = || CliError::about(format!("--solver {command:?}"), wrong);
+        let limit = Duration::from_secs(self.time_limit);
+        Ok(Way::Command { words: words.ok_or_else(about)?, limit })
     }
 
     fn judged(&self, plan: ScenePlan, out: OutputDirectory) -> Result<Swept, CliError> {
         let plans = vec![plan];
         let progress = super::output::Display::new();
-        let machine = self.machine();
-        let records = run_sweep(&plans, &out, &machine, false, &progress)?;
-        let provenance = Provenance::of_run(&plans, &machine).json();
-        let verdicts = judge_plan(&plans[0], &records, !self.orders_only);
-        let _out = Some(out);
-        Ok(Swept { plans, records, verdicts, provenance, _out, ..Swept::default() })
-    }
-
-    /// The memory of an external solver does not count.
-    fn machine(&self) -> Machine {
         let flags = [
             (self.pressure, "--pressure"),
             (self.loads == Loads::Density, "--loads density"),
             (self.orders_only, "--orders-only"),
         ];
-        let given = flags.into_iter().filter(|(given, _)| *given).map(|(_, flag)| flag);
-        let options = std::iter::once("verify").chain(given).collect::<Vec<_>>().join(" ");
+        // The memory of an external solver does not count.
         let (jobs, memory) = (usize::from(self.jobs), self.allowance.limit());
-        Machine { jobs, memory, build: super::BUILD, options }
-    }
-
-    /// Runs the cases with the built-in solver.
-    fn run_built_in(&self, scenes: &Scenes) -> Result<Swept, CliError> {
-        let out = OutputDirectory::take(&self.out.join("own"))?;
-        self.judged(self.plan(scenes, Arc::new(NewtonMarch))?, out)
+        let options = options("verify", &flags);
+        let machine = Machine { jobs, memory, build: super::BUILD, options };
+        let records = run_sweep(&plans, &out, &machine, false, &progress)?;
+        let provenance = Provenance::of_run(&plans, &machine).json();
+        let verdicts = judge_plan(&plans[0], &records, !self.orders_only);
+        let _out = Some(out);
+        Ok(Swept { plans, records, verdicts, provenance, _out, ..Swept::default() })
     }
 }
 
@@ -258,27 +239,18 @@ fn export(plan: &ScenePlan, folder: &Path) -> Result<u8, CliError> {
     Ok(0)
 }
 
-/// One error by both solvers.
-#[derive(Serialize)]
-struct Beside {
-    n: Option<u32>,
-    steps: u32,
-    norm: String,
-    solver: f64,
-    #[serde(rename = "own")]
-    built_in: f64,
-    difference: f64,
-}
-
-/// The errors that both have.
-fn compare(solver: &[CaseRecord], built_in: &[CaseRecord]) -> Vec<Beside> {
+/// The errors that both have, a row each.
+fn compare(solver: &[CaseRecord], built_in: &[CaseRecord]) -> Value {
     let of_record = |record: &CaseRecord| {
         let same = built_in.iter().find(|other| other.key() == record.key());
         let entries = record.errors.iter().map(|entry| {
-            let (norm, solver) = (entry.norm.clone(), entry.error?);
-            let built_in = same?.errors.iter().find(|other| other.norm == norm)?.error?;
-            let difference = (solver - built_in).abs() / built_in;
-            Some(Beside { n: record.n, steps: record.steps, norm, solver, built_in, difference })
+            let (norm, solver) = (&entry.norm, entry.error?);
+            let own = same?.errors.iter().find(|other| other.norm == *norm)?.error?;
+            let difference = (solver - own).abs() / own;
+            Some(json!({
+                "n": record.n, "steps": record.steps, "norm": norm,
+                "solver": solver, "own": own, "difference": difference,
+            }))
         });
         entries.flatten().collect::<Vec<_>>()
     };

@@ -64,8 +64,16 @@ impl Pictures {
         last: bool,
     ) -> Result<(), LoadError> {
         if let Some(samples) = truth.contact_samples(view.t)? {
-            let zones: Vec<Zone> = samples.state.iter().map(|state| zone(*state)).collect();
-            let level = self.exact_level(space, &zones);
+            let (weights, mut level) = (state_rule().weights, Vec::new());
+            for &(f, mut from, backwards) in &self.order {
+                for q in 0..weights.len() {
+                    // The rule is symmetric.
+                    let place = if backwards { weights.len() - 1 - q } else { q };
+                    let to = from + weights[q] * space.trace.measure[f];
+                    level.push((from, to, zone(samples.state[weights.len() * f + place])));
+                    from = to;
+                }
+            }
             self.exact.times.push(view.t);
             self.exact.levels.push(level);
         }
@@ -94,23 +102,6 @@ impl Pictures {
             self.body = Some(self.deformed(space, model, view));
         }
         Ok(())
-    }
-
-    /// The exact solution at the points of [`state_rule`] on each facet.
-    fn exact_level(&self, space: &Discretization, zones: &[Zone]) -> Vec<(f64, f64, Zone)> {
-        let weights = state_rule().weights;
-        let mut pieces = Vec::new();
-        for &(f, from, backwards) in &self.order {
-            let mut at = from;
-            for q in 0..weights.len() {
-                // The rule is symmetric.
-                let place = if backwards { weights.len() - 1 - q } else { q };
-                let to = at + weights[q] * space.trace.measure[f];
-                pieces.push((at, to, zones[weights.len() * f + place]));
-                at = to;
-            }
-        }
-        pieces
     }
 
     fn deformed(&self, space: &Discretization, model: &Model, view: &StepView<'_>) -> Deformed {

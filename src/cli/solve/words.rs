@@ -136,7 +136,6 @@ fn has_contact(document: &Value) -> bool {
 /// The first sentence.
 fn answer(document: &Value) -> String {
     let number = |key: &str| document[key].as_f64().map_or_else(|| "–".into(), |v| digits(v, 4));
-    let count = |key: &str| document[key].as_u64().unwrap_or(0);
     let sure = format!("solved to a residual of {}", number("kkt_residual"));
     if !document["norm"].is_null() {
         return format!(
@@ -149,10 +148,10 @@ fn answer(document: &Value) -> String {
         return format!("‖ε(u)‖ = {}, no contact side; {sure}.", number("strain_norm"));
     }
     let of = document["normal_displacement"].as_array().map_or(0, Vec::len);
+    let (force, locked) = (number("contact_force"), document["locked_vertices"].as_u64());
+    let locked = locked.unwrap_or(0);
     format!(
-        "the contact force is {}, and {} of {of} contact vertices are at the obstacle; {sure}.",
-        number("contact_force"),
-        count("locked_vertices"),
+        "the contact force is {force}, and {locked} of {of} contact vertices are at the obstacle; {sure}."
     )
 }
 
@@ -170,12 +169,10 @@ fn shown(key: &str, value: &Value, unit: Unit) -> Option<String> {
         Value::Null => None,
         Value::String(text) => Some(text.clone()),
         Value::Array(items) => {
-            let parts: Vec<String> = items
-                .iter()
-                .map(|item| {
-                    item.as_f64().map_or_else(|| item.as_str().unwrap_or("–").into(), number)
-                })
-                .collect();
+            let part = |item: &Value| {
+                item.as_f64().map_or_else(|| item.as_str().unwrap_or("–").into(), number)
+            };
+            let parts: Vec<String> = items.iter().map(part).collect();
             (!parts.is_empty()).then(|| parts.join(", "))
         }
         other => Some(match other.as_u64() {
