@@ -152,6 +152,19 @@ impl Canvas {
         self.styled(words, place, anchor, (FontStyle::Normal, WORDS));
     }
 
+    /// Lines so far below each other.
+    pub(super) fn lines(
+        &mut self,
+        lines: &[String],
+        (x, y): CanvasPoint,
+        apart: f64,
+        anchor: Anchor,
+    ) {
+        for (i, line) in lines.iter().enumerate() {
+            self.text(line, (x, y + apart * i as f64), anchor);
+        }
+    }
+
     pub(super) fn bold(&mut self, words: &str, place: CanvasPoint) {
         self.styled(words, place, Anchor::Left, (FontStyle::Bold, WORDS));
     }
@@ -200,9 +213,7 @@ impl Canvas {
     /// A title and lines below it, as [`heading`] breaks them.
     pub(super) fn heading(&mut self, title: &str, lines: &[String]) {
         self.bold(title, (EDGE, LINE));
-        for (i, line) in (2..).zip(lines) {
-            self.text(line, (EDGE, LINE * f64::from(i)), Anchor::Left);
-        }
+        self.lines(lines, (EDGE, 2.0 * LINE), LINE, Anchor::Left);
     }
 
     fn styled(

@@ -1,7 +1,8 @@
 //! A picture of series over two axes.
 
 use crate::canvas::{
-    Anchor, Canvas, CanvasPoint, DASHES, EDGE, LINE, MARKER, TEXT, WIDTH, breadth, heading, lines,
+    Anchor, Canvas, CanvasPoint, DASHES, EDGE, LINE, MARKER, TEXT, WIDTH, breadth, corners,
+    heading, lines,
 };
 use crate::palette::{Colour, GRID, INK, ink};
 use crate::ruler::{Room, Ruler, Scale};
@@ -185,9 +186,8 @@ impl Chart {
     fn draw_labels(&self, canvas: &mut Canvas, frame: &Frame, slopes: &[Placed]) {
         let mut taken = self.taken(frame);
         taken.extend(slopes.iter().flat_map(Placed::outline));
-        let across = self.placed_marks().into_iter().filter(|(upright, _)| !upright);
         let [left, top, right, bottom] = frame.room;
-        for (_, mark) in across {
+        for (_, mark) in self.marks(true).into_iter().filter(|(upright, _)| !upright) {
             let y = frame.up(mark.at);
             taken.extend(sampled(&[(left, y), (right, y)]));
         }
@@ -208,10 +208,9 @@ impl Chart {
                 [(1.0, -1.0), (1.0, 1.0), (-1.0, 1.0), (-1.0, -1.0), (1.0, 0.0), (-1.0, 0.0)]
                     .map(|(right, up)| (right, up, away + MARKER))
             });
-            if let Some([from, above, to, below]) = sides.map(beside).find(free) {
-                canvas.text(words, (from, 0.5 * (above + below)), Anchor::Left);
-                let box_of = [(from, above), (to, above), (to, below), (from, below)];
-                taken.extend(sampled(&box_of));
+            if let Some(sides) = sides.map(beside).find(free) {
+                canvas.text(words, (sides[0], 0.5 * (sides[1] + sides[3])), Anchor::Left);
+                taken.extend(sampled(&corners(sides)));
             }
         }
     }
@@ -324,9 +323,7 @@ impl Chart {
             }
         }
         let note = heading(&self.note);
-        for (i, line) in note.iter().enumerate() {
-            canvas.text(line, (left, end + LINE * i as f64), Anchor::Left);
-        }
+        canvas.lines(&note, (left, end), LINE, Anchor::Left);
         end + LINE * note.len() as f64
     }
 }
@@ -415,12 +412,6 @@ impl Frame {
         bottom - self.y.share(y).clamp(0.0, 1.0) * (bottom - top)
     }
 
-    /// Height of a decade of y, if logarithmic.
-    pub(super) fn decade(&self) -> Option<f64> {
-        let [_, top, _, bottom] = self.room;
-        self.y.decade().map(|share| share * (bottom - top))
-    }
-
     /// The name of the axis across, broken to its length and a little more.
     fn under(&self, name: &str) -> Vec<String> {
         let [left, _, right, _] = self.room;
@@ -451,10 +442,8 @@ impl Frame {
             }
         }
         let middle = (0.5 * (left + right), 0.5 * (top + bottom));
-        for (i, line) in self.under(name_x).iter().enumerate() {
-            let y = bottom + unit * (NAME + LINE * (0.4 + i as f64));
-            canvas.text(line, (middle.0, y), Anchor::Centre);
-        }
+        let below = (middle.0, bottom + unit * (NAME + 0.4 * LINE));
+        canvas.lines(&self.under(name_x), below, LINE * unit, Anchor::Centre);
         let beside = left - beside_axis(&self.y, self.text) - 0.8 * self.text;
         canvas.text(name_y, (beside, middle.1), Anchor::Upwards);
     }
@@ -478,26 +467,21 @@ const LETTERS: f64 = 32.0;
 const STUB: f64 = 12.0;
 
 impl Chart {
-    /// The marks that can be placed, and whether they are upright; their order gives patterns and letters.
-    fn placed_marks(&self) -> Vec<(bool, &Mark)> {
+    /// The marks that can be placed, or cannot, and whether they are upright; their order gives patterns and letters.
+    fn marks(&self, placed: bool) -> Vec<(bool, &Mark)> {
         let verticals = self.verticals.iter().map(|mark| (true, mark));
         let all = verticals.chain(self.horizontals.iter().map(|mark| (false, mark)));
-        all.filter(|(upright, mark)| self.has_place(*upright, mark)).collect()
-    }
-
-    fn has_place(&self, upright: bool, mark: &Mark) -> bool {
-        let axis = if upright { &self.x } else { &self.y };
-        axis.scale.holds(mark.at)
+        let axis = |upright: bool| if upright { &self.x } else { &self.y };
+        all.filter(|(upright, mark)| axis(*upright).scale.holds(mark.at) == placed).collect()
     }
 
     /// Letters keep the order of their lines, and a distance.
     fn draw_marks(&self, canvas: &mut Canvas, frame: &Frame) {
         let [left, top, right, bottom] = frame.room;
-        let mut marks: Vec<(bool, f64, usize)> = Vec::new();
-        for (index, (upright, mark)) in self.placed_marks().into_iter().enumerate() {
-            let at = if upright { frame.across(mark.at) } else { frame.up(mark.at) };
-            marks.push((upright, at, index));
-        }
+        let at = |(index, (upright, mark)): (usize, (bool, &Mark))| {
+            (upright, if upright { frame.across(mark.at) } else { frame.up(mark.at) }, index)
+        };
+        let mut marks: Vec<_> = self.marks(true).into_iter().enumerate().map(at).collect();
         marks.sort_by(|a, b| b.0.cmp(&a.0).then(a.1.total_cmp(&b.1)));
         for alike in marks.chunk_by(|a, b| a.0 == b.0) {
             let mut tag = f64::NEG_INFINITY;
@@ -519,14 +503,12 @@ impl Chart {
 
     /// Legend entries; marks without a place come last, without a letter.
     fn mark_entries(&self) -> Vec<(Vec<Part>, String)> {
-        let drawn = self.placed_marks().into_iter().enumerate().map(|(index, (_, mark))| {
+        let drawn = self.marks(true).into_iter().enumerate().map(|(index, (_, mark))| {
             let sample = Part::Broken(PATTERNS[index % PATTERNS.len()], Vec::new());
             (vec![sample], format!("{}: {}", letter(index), mark.label))
         });
-        let lost = |upright| move |mark: &&Mark| !self.has_place(upright, mark);
-        let verticals = self.verticals.iter().filter(lost(true));
-        let lost = verticals.chain(self.horizontals.iter().filter(lost(false)));
-        drawn.chain(lost.map(|mark| (Vec::new(), mark.label.clone()))).collect()
+        let lost = self.marks(false).into_iter();
+        drawn.chain(lost.map(|(_, mark)| (Vec::new(), mark.label.clone()))).collect()
     }
 }
 
@@ -557,10 +539,7 @@ impl Entry {
             };
             part.draw(canvas, &sample, self.ink);
         }
-        for (i, words) in self.lines.iter().enumerate() {
-            let place = (left + SAMPLE * unit, y + LINE * unit * i as f64);
-            canvas.text(words, place, Anchor::Left);
-        }
+        canvas.lines(&self.lines, (left + SAMPLE * unit, y), LINE * unit, Anchor::Left);
     }
 }
 
@@ -579,7 +558,7 @@ pub struct Slope {
 /// A placed triangle: fine end, corner, coarse end.
 pub(super) struct Placed {
     pub(super) series: usize,
-    corners: [CanvasPoint; 3],
+    pub(super) corners: [CanvasPoint; 3],
     label: String,
 }
 
@@ -595,9 +574,9 @@ const HALF_LINE: f64 = 18.0;
 /// The triangles that find a place, as close below their lines as possible, between the finest points that allow it.
 /// None on linear axes.
 pub(super) fn place(chart: &Chart, frame: &Frame) -> Vec<Placed> {
-    let Some(decade) = frame.decade() else {
-        return Vec::new();
-    };
+    let Some(decade) = frame.y.decade() else { return Vec::new() };
+    let [_, top, _, bottom] = frame.room;
+    let decade = decade * (bottom - top);
     let mut taken = chart.taken(frame);
     let mut placed = Vec::new();
     for (series, slope) in
@@ -670,15 +649,8 @@ fn label_box(corners: &[CanvasPoint; 3], label: &str) -> [f64; 4] {
 impl Placed {
     /// Points along its sides, and around its label.
     fn outline(&self) -> Vec<CanvasPoint> {
-        let [left, top, right, bottom] = label_box(&self.corners, &self.label);
-        let label = [(left, top), (right, top), (right, bottom), (left, bottom)];
         let sides = [&self.corners[..], &self.corners[..1]].concat();
-        [sampled(&sides), sampled(&label)].concat()
-    }
-
-    #[cfg(test)]
-    pub(super) fn corners(&self) -> [CanvasPoint; 3] {
-        self.corners
+        [sampled(&sides), sampled(&corners(label_box(&self.corners, &self.label)))].concat()
     }
 
     pub(super) fn draw(&self, canvas: &mut Canvas, ink: Colour) {

@@ -22,55 +22,51 @@ pub fn write_junit(
     provenance: &serde_json::Value,
     baseline: Option<&Comparison>,
 ) -> Result<(), ReportError> {
-    let text = junit_xml(verdicts, &origin(provenance), baseline)
-        .map_err(|source| ReportError::Xml { source })?;
+    let text =
+        junit_xml(verdicts, provenance, baseline).map_err(|source| ReportError::Xml { source })?;
     Ok(write_named(path, text.as_bytes())?)
-}
-
-/// Program version and circumstances of the run, as far as known.
-fn origin(provenance: &serde_json::Value) -> Vec<(String, String)> {
-    let text = |value: &serde_json::Value| value.as_str().map_or(value.to_string(), str::to_owned);
-    let version = provenance.get("version").map(|version| ("version".to_owned(), text(version)));
-    let run = provenance["run"].as_object().into_iter().flatten();
-    version.into_iter().chain(run.map(|(key, value)| (key.clone(), text(value)))).collect()
 }
 
 fn junit_xml(
     verdicts: &[Verdict],
-    origin: &[(String, String)],
+    provenance: &serde_json::Value,
     baseline: Option<&Comparison>,
 ) -> Result<String, quick_junit::SerializeError> {
     let mut scenes: BTreeMap<&str, Vec<&Verdict>> = BTreeMap::new();
     for verdict in verdicts {
         scenes.entry(&verdict.scene).or_default().push(verdict);
     }
-    let mut report = Report::new("gronwall");
-    for (scene, verdicts) in scenes {
-        let mut suite = TestSuite::new(scene);
-        suite.add_test_cases(verdicts.into_iter().map(verdict_case));
-        suite.add_properties(properties(origin));
-        report.add_test_suite(suite);
-    }
-    if let Some(comparison) = baseline {
-        let mut suite = TestSuite::new("baseline");
+    // Program version and circumstances of the run, as far as known.
+    let property = |key: &str, value: &serde_json::Value| {
+        Property::new(key, &*value.as_str().map_or(value.to_string(), str::to_owned))
+    };
+    let run = provenance["run"].as_object().into_iter().flatten();
+    let origin = provenance.get("version").map(|version| property("version", version));
+    let origin = origin.into_iter().chain(run.map(|(key, value)| property(key, value)));
+    let origin: Vec<Property> = origin.collect();
+    let suite = |name: &str, cases: Vec<TestCase>| {
+        let mut suite = TestSuite::new(name);
+        suite.add_test_cases(cases);
+        suite.add_properties(origin.iter().cloned());
         suite
-            .add_test_cases(comparison.scenes.iter().map(|scene| baseline_case(scene, comparison)));
-        suite.add_properties(properties(origin));
-        report.add_test_suite(suite);
-    }
+    };
+    let mut report = Report::new("gronwall");
+    report.add_test_suites(
+        scenes
+            .into_iter()
+            .map(|(scene, of)| suite(scene, of.into_iter().map(verdict_case).collect())),
+    );
+    report.add_test_suites(baseline.map(|comparison| {
+        // One scene against its baseline; all deviations are in the text.
+        let case = |scene: &String| {
+            let of_scene = || comparison.deviations.iter().filter(|d| d.scene == *scene);
+            let reasons: Vec<&str> = of_scene().map(|d| d.reason.as_str()).collect();
+            let failure = of_scene().next().map(|d| (d.verdict, reasons[0], reasons.join("\n")));
+            test_case(scene, "recorded errors and work", failure)
+        };
+        suite("baseline", comparison.scenes.iter().map(case).collect())
+    }));
     report.to_string()
-}
-
-fn properties(origin: &[(String, String)]) -> impl Iterator<Item = Property> + '_ {
-    origin.iter().map(|(name, value)| Property::new(name.as_str(), value.as_str()))
-}
-
-/// One scene against its baseline; all deviations are in the text.
-fn baseline_case(scene: &str, comparison: &Comparison) -> TestCase {
-    let of_scene = || comparison.deviations.iter().filter(|d| d.scene == scene);
-    let reasons: Vec<&str> = of_scene().map(|deviation| deviation.reason.as_str()).collect();
-    let failure = of_scene().next().map(|first| (first.verdict, reasons[0], reasons.join("\n")));
-    test_case(scene, "recorded errors and work", failure)
 }
 
 fn verdict_case(verdict: &Verdict) -> TestCase {

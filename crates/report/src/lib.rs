@@ -133,9 +133,9 @@ pub fn write_all(
     let external = by_verify(provenance);
     let with_stems = scenes.iter().zip(stems(scenes)?);
     let drawn: Vec<Drawn<'_>> = with_stems
-        .map(|(scene, stem)| Drawn {
-            group: if external { Group::External } else { scene.group },
-            ..drawn(scene, stem, records, verdicts)
+        .map(|(scene, stem)| {
+            let group = if external { Group::External } else { scene.group };
+            drawn((scene, group), stem, records, verdicts)
         })
         .collect();
     let forest = forest(&drawn, verdicts);
@@ -183,7 +183,7 @@ fn forest(scenes: &[Drawn<'_>], verdicts: &[Verdict]) -> Option<Figure> {
 
 /// The pictures of a scene, as far as there is something to draw.
 fn drawn<'a>(
-    scene: &'a SceneSummary,
+    (scene, group): (&'a SceneSummary, Group),
     stem: String,
     records: &[CaseRecord],
     verdicts: &[Verdict],
@@ -205,18 +205,20 @@ fn drawn<'a>(
     ];
     let figures = figures.into_iter().filter_map(figure).collect();
     let card = card.into_iter().filter_map(figure).collect();
-    Drawn { scene, group: scene.group, stem, figures, card }
+    Drawn { scene, group, stem, figures, card }
 }
 
-/// File names of the scenes: letters, digits, dot, dash and underscore.
+/// A name in file names and links: letters, digits, dot, dash and underscore.
+pub(crate) fn plain_name(name: &str) -> String {
+    name.replace(|c: char| !(c.is_alphanumeric() || "-_.".contains(c)), "-")
+}
+
+/// File names of the scenes.
 fn stems(scenes: &[SceneSummary]) -> Result<Vec<String>, ReportError> {
-    let plain = |c: char| {
-        if c.is_alphanumeric() || "-_.".contains(c) { c } else { '-' }
-    };
     let mut owners: BTreeMap<String, &str> = BTreeMap::new();
     let mut stems = Vec::new();
     for scene in scenes {
-        let stem: String = scene.name.chars().map(plain).collect();
+        let stem = plain_name(&scene.name);
         if let Some(first) = owners.insert(stem.clone(), &scene.name) {
             let (first, second) = (first.to_owned(), scene.name.clone());
             return Err(ReportError::SharedName { first, second, stem });

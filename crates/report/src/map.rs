@@ -119,18 +119,13 @@ impl Map {
             }
             y = (y + row).max(top + LINE * name.len() as f64);
             let middle = 0.5 * (top + y - LINE * (name.len() as f64 - 1.0));
-            for (i, line) in name.iter().enumerate() {
-                let place = (left - 0.5 * TEXT, middle + LINE * i as f64);
-                canvas.text(line, place, Anchor::Right);
-            }
+            canvas.lines(&name, (left - 0.5 * TEXT, middle), LINE, Anchor::Right);
         }
         let legend = self.legend.map(|(shade, words)| (tint(shade), words));
         y = canvas.swatches((EDGE, y + LINE), &legend);
-        for note in self.notes.iter().flat_map(|note| heading(note)) {
-            canvas.text(&note, (EDGE, y), Anchor::Left);
-            y += LINE;
-        }
-        canvas.finish_at(y - 0.4 * LINE)
+        let notes: Vec<String> = self.notes.iter().flat_map(|note| heading(note)).collect();
+        canvas.lines(&notes, (EDGE, y), LINE, Anchor::Left);
+        canvas.finish_at(y + LINE * (notes.len() as f64 - 0.4))
     }
 }
 
@@ -209,15 +204,14 @@ fn grid(scene: &SceneSummary, records: &[CaseRecord]) -> Option<(String, Vec<Vec
 }
 
 fn rows(records: &[&CaseRecord], norm: &str) -> Vec<Vec<Point>> {
-    let mut points: Vec<Point> = records.iter().filter_map(|record| point(record, norm)).collect();
+    let point = |record: &&CaseRecord| {
+        let entry = record.norm(norm).filter(|_| record.converged())?;
+        let error = entry.error.filter(|error| *error > 0.0 && error.is_finite())?;
+        Some(Point { h: record.h?, k: record.k, error, floor: entry.floor.unwrap_or(0.0) })
+    };
+    let mut points: Vec<Point> = records.iter().filter_map(point).collect();
     points.sort_by(|a, b| b.h.total_cmp(&a.h).then(b.k.total_cmp(&a.k)));
     points.chunk_by(|a, b| a.h == b.h).map(<[Point]>::to_vec).collect()
-}
-
-fn point(record: &CaseRecord, norm: &str) -> Option<Point> {
-    let entry = record.norm(norm).filter(|_| record.converged())?;
-    let error = entry.error.filter(|error| *error > 0.0 && error.is_finite())?;
-    Some(Point { h: record.h?, k: record.k, error, floor: entry.floor.unwrap_or(0.0) })
 }
 
 #[cfg(test)]

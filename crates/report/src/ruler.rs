@@ -1,5 +1,7 @@
 //! One axis: positions of values, and ticks.
 
+use crate::canvas::span;
+
 /// How an axis is divided.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Scale {
@@ -59,8 +61,7 @@ impl Ruler {
         levels.first()?;
         let all = levels.iter().chain(marks.iter().filter(|v| scale.holds(**v)));
         let measured = all.map(|v| scale.measure(*v));
-        let range =
-            measured.fold([f64::INFINITY, f64::NEG_INFINITY], |[lo, hi], v| [lo.min(v), hi.max(v)]);
+        let range = span(measured);
         let (ends, mut ticks) = match scale {
             Scale::Linear => linear(range, room),
             Scale::Log => logarithmic(range, room),
@@ -81,7 +82,7 @@ impl Ruler {
     }
 }
 
-fn linear([lo, hi]: [f64; 2], room: Room) -> ([f64; 2], Vec<Tick>) {
+fn linear((lo, hi): (f64, f64), room: Room) -> ([f64; 2], Vec<Tick>) {
     // A single value is centred on an axis of its size.
     let half = if hi > lo { 0.0 } else { 0.5 * lo.abs().max(f64::MIN_POSITIVE) };
     let (lo, hi) = (lo - half, hi + half);
@@ -100,7 +101,7 @@ fn linear([lo, hi]: [f64; 2], room: Room) -> ([f64; 2], Vec<Tick>) {
     ([step * first - margin, step * last + margin], ticks.collect())
 }
 
-fn steps([lo, hi]: [f64; 2], levels: &[f64], room: Room) -> ([f64; 2], Vec<Tick>) {
+fn steps((lo, hi): (f64, f64), levels: &[f64], room: Room) -> ([f64; 2], Vec<Tick>) {
     let margin = (0.08 * (hi - lo)).max(0.08);
     let ends = [lo - margin, hi + margin];
     let place = |level: f64| room.length * (level.log10() - ends[0]) / (ends[1] - ends[0]);
@@ -130,7 +131,7 @@ fn value((digit, exponent): (i64, i64)) -> f64 {
 
 /// The axis ends at members of the sequence …, 0.5, 1, 2, 5, 10, …; these are labelled if there is room, else powers of
 /// ten.
-fn logarithmic([lo, hi]: [f64; 2], room: Room) -> ([f64; 2], Vec<Tick>) {
+fn logarithmic((lo, hi): (f64, f64), room: Room) -> ([f64; 2], Vec<Tick>) {
     let margin = (MARGIN * (hi - lo)).max(MARGIN);
     let decades = || (lo - margin).floor() as i64 - 1..=(hi + margin).ceil() as i64;
     let members = || decades().flat_map(|exponent| DIGITS.map(|digit| (digit, exponent)));
@@ -185,7 +186,9 @@ pub(super) fn decimal(digit: i64, exponent: i64) -> String {
 }
 
 pub(super) fn power(exponent: i64) -> String {
-    format!("10{}", superscript(exponent))
+    let digit = |c: char| "⁰¹²³⁴⁵⁶⁷⁸⁹".chars().nth(c.to_digit(10)? as usize);
+    let above = exponent.to_string().chars().map(|c| digit(c).unwrap_or('⁻')).collect::<String>();
+    format!("10{above}")
 }
 
 /// A multiple of `step`, with as many decimals as the step has.
@@ -198,11 +201,6 @@ pub(super) fn with_decimals(value: f64, step: f64) -> String {
     } else {
         format!("{value:.1e}")
     }
-}
-
-fn superscript(exponent: i64) -> String {
-    let digit = |c: char| "⁰¹²³⁴⁵⁶⁷⁸⁹".chars().nth(c.to_digit(10)? as usize);
-    exponent.to_string().chars().map(|c| digit(c).unwrap_or('⁻')).collect()
 }
 
 #[cfg(test)]

@@ -135,7 +135,7 @@ fn triangles_stand_clear_of_every_line() {
     let (frame, placed) = chart.arranged().unwrap();
     assert_eq!(placed.len(), 7);
     for slope in &placed {
-        assert_eq!(hits(&chart, &frame, slope.corners()), 0);
+        assert_eq!(hits(&chart, &frame, slope.corners), 0);
     }
     // The count detects a triangle directly below its line, which meets the next line.
     let [fine, coarse] = [(0.5f64.powi(8), 0.7), (0.5f64.powi(7), 0.7)]

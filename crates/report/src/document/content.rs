@@ -1,9 +1,12 @@
 //! The sections of a report, from its records and verdicts.
 
+use std::collections::BTreeSet;
+
 use crate::convergence::norms;
 use crate::document::chapter::{chapters, failures, numbered};
 use crate::document::terminal::{VERDICT_HEADS, outcome};
 use crate::document::{Block, Card, Document, Figure, Run, Section, StudyDocument, Table, Tone};
+use crate::ruler::step_label;
 use crate::symbols::symbols;
 use crate::{Group, SceneSummary};
 use files::{counted, quoted};
@@ -45,7 +48,13 @@ pub(crate) fn document(report: Report<'_>) -> Document {
         format!("{}. Exit code {}.", outcome(records, verdicts), exit_code(records, verdicts));
     let mut sections = vec![summary(&report, &outcome, &failures(&report.studies))];
     if !report.scenes.is_empty() {
-        sections.push(introduction());
+        sections.push(Section::opening(
+            "scenes",
+            "Scenes",
+            "Each scene asks one question. Errors are maxima over the time levels in the norm named; V_max is the norm of the paper, ‖ε(u − u_h)‖ in L²(Ω). \
+             h is 1/n with n cells per unit length, or the longest edge of an imported mesh; k = T/N with N steps. Lengths, stresses and times are in the units of the scene. \
+             A local order is that between two neighbouring points that were used; the error floor is the part of an error that does not come from the discretisation.",
+        ));
     }
     for group in Group::ALL {
         let mut members = report.scenes.iter().filter(|drawn| drawn.group == group).peekable();
@@ -57,8 +66,8 @@ pub(crate) fn document(report: Report<'_>) -> Document {
     }
     sections.extend(chapters(&report));
     if !report.of_cases.is_empty() {
-        let mut further = Section::new(1, "studies", "Further pictures in this directory");
-        further.words("Written here by the command that each caption names.");
+        let words = "Written here by the command that each caption names.";
+        let mut further = Section::opening("studies", "Further pictures in this directory", words);
         further.figures(&report.of_cases);
         sections.push(further);
     }
@@ -144,16 +153,6 @@ fn summary(report: &Report<'_>, outcome: &str, failures: &[(String, String)]) ->
     section
 }
 
-fn introduction() -> Section {
-    let mut section = Section::new(1, "scenes", "Scenes");
-    section.words(
-        "Each scene asks one question. Errors are maxima over the time levels in the norm named; V_max is the norm of the paper, ‖ε(u − u_h)‖ in L²(Ω). \
-         h is 1/n with n cells per unit length, or the longest edge of an imported mesh; k = T/N with N steps. Lengths, stresses and times are in the units of the scene. \
-         A local order is that between two neighbouring points that were used; the error floor is the part of an error that does not come from the discretisation.",
-    );
-    section
-}
-
 fn reproduction(report: &Report<'_>) -> Section {
     let mut section = Section::new(1, "reproduce", "How to reproduce");
     section.text(vec![
@@ -193,8 +192,10 @@ fn reproduction(report: &Report<'_>) -> Section {
 const CLAIMS: [&str; 3] = ["(5.26)", "Theorem 7", "(5.24)"];
 
 fn first_answers(section: &mut Section, report: &Report<'_>) {
-    let verdicts = report.verdicts;
-    section.text(by_claim(verdicts, by_verify(report.provenance)));
+    let of_a_solver = by_verify(report.provenance);
+    let link = |scene: &str| report.link(scene);
+    let [held, failed, closest] = three_answers(report.verdicts, of_a_solver, link);
+    held.into_iter().for_each(|runs| section.text(runs));
     if let Some(cause) = report.cause {
         section.text(vec![
             Run::of("What is wrong? ", Tone::Strong),
@@ -202,30 +203,30 @@ fn first_answers(section: &mut Section, report: &Report<'_>) {
             Run::plain(format!(". {}.", cause.numbers)),
         ]);
     }
-    if let Some((runs, next)) = failed(verdicts, |scene| report.link(scene)) {
-        let next = next.filter(|_| !by_verify(report.provenance));
-        section.text(runs.into_iter().chain(next).collect());
-    }
-    if let Some(verdict) = least_certain(verdicts) {
-        section.text(closest(verdict, report.link(&verdict.scene)));
-    }
+    failed.into_iter().chain(closest).for_each(|runs| section.text(runs));
     broken(section, report);
+}
+
+/// Whether the orders hold, what is not as expected, and what is least certain.
+fn three_answers(
+    verdicts: &[Verdict],
+    of_a_solver: bool,
+    link: impl Fn(&str) -> Option<String>,
+) -> [Option<Vec<Run>>; 3] {
+    let least = least_certain(verdicts).map(|verdict| closest(verdict, link(&verdict.scene)));
+    [Some(by_claim(verdicts, of_a_solver)), failed(verdicts, of_a_solver, link), least]
 }
 
 /// The first answers, on the estimates, in a line each.
 pub fn answers(verdicts: &[Verdict]) -> Vec<String> {
-    let least = least_certain(verdicts).map(|verdict| closest(verdict, None));
-    let failed = failed(verdicts, |_| None);
-    let failed = failed.map(|(runs, next)| runs.into_iter().chain(next).collect());
-    let lines = [Some(by_claim(verdicts, false)), failed, least];
     let text = |runs: Vec<Run>| runs.iter().map(|run| run.text.as_str()).collect();
-    lines.into_iter().flatten().map(text).collect()
+    three_answers(verdicts, false, |_| None).into_iter().flatten().map(text).collect()
 }
 
-fn held(judged: &[&Verdict]) -> (String, Tone) {
+fn held(judged: &[&Verdict]) -> Run {
     let met = judged.iter().filter(|verdict| verdict.as_expected()).count();
     let tone = if met == judged.len() { Tone::Pass } else { Tone::Miss };
-    (format!("{met} of {}", judged.len()), tone)
+    Run::of(format!("{met} of {}", judged.len()), tone)
 }
 
 fn by_claim(verdicts: &[Verdict], of_a_solver: bool) -> Vec<Run> {
@@ -238,16 +239,12 @@ fn by_claim(verdicts: &[Verdict], of_a_solver: bool) -> Vec<Run> {
     for claim in CLAIMS {
         let of_claim: Vec<&Verdict> = verdicts.iter().filter(|v| v.why.contains(claim)).collect();
         if !of_claim.is_empty() {
-            let (words, tone) = held(&of_claim);
-            by_claim.push(Run::plain(format!("{claim}: ")));
-            by_claim.push(Run::of(words, tone));
-            by_claim.push(Run::plain("; "));
+            let claim = Run::plain(format!("{claim}: "));
+            by_claim.extend([claim, held(&of_claim), Run::plain("; ")]);
         }
     }
-    let (all, tone) = held(&verdicts.iter().collect::<Vec<_>>());
-    by_claim.push(Run::plain("all orders: "));
-    by_claim.push(Run::of(all, tone));
-    by_claim.push(Run::plain(" as expected."));
+    let all = held(&verdicts.iter().collect::<Vec<_>>());
+    by_claim.extend([Run::plain("all orders: "), all, Run::plain(" as expected.")]);
     by_claim
 }
 
@@ -255,8 +252,9 @@ fn by_claim(verdicts: &[Verdict], of_a_solver: bool) -> Vec<Run> {
 /// program what finds the term at fault.
 fn failed(
     verdicts: &[Verdict],
+    of_a_solver: bool,
     link: impl Fn(&str) -> Option<String>,
-) -> Option<(Vec<Run>, Option<Run>)> {
+) -> Option<Vec<Run>> {
     let mut wrong = verdicts.iter().filter(|verdict| !verdict.as_expected());
     let (first, others) = (wrong.next()?, wrong.count());
     let mut runs = vec![
@@ -267,8 +265,8 @@ fn failed(
     runs.extend(sentence(first));
     runs.extend((others > 0).then(|| Run::plain(format!(" So are {others} more."))));
     let diagnose = || Run::plain(format!(" Next: sweep diagnose {}.", quoted(&first.scene)));
-    let next = (first.decision == Decision::Fail).then(diagnose);
-    Some((runs, next))
+    runs.extend((first.decision == Decision::Fail && !of_a_solver).then(diagnose));
+    Some(runs)
 }
 
 /// Certain by a convention: the probability of a miss is that of one interval in twenty.
@@ -317,19 +315,15 @@ fn broken(section: &mut Section, report: &Report<'_>) {
     if scenes.is_empty() {
         return;
     }
-    let mut hypotheses: Vec<&str> =
-        scenes.iter().flat_map(|scene| &scene.violates).map(String::as_str).collect();
-    hypotheses.sort_unstable();
-    hypotheses.dedup();
-    let hypotheses: Vec<String> = hypotheses.into_iter().map(super::chapter::numbered).collect();
+    let hypotheses: BTreeSet<&String> = scenes.iter().flat_map(|scene| &scene.violates).collect();
+    let hypotheses: Vec<String> = hypotheses.into_iter().map(|name| numbered(name)).collect();
     let is_broken = |verdict: &&Verdict| scenes.iter().any(|scene| scene.name == verdict.scene);
     let broken: Vec<&Verdict> = report.verdicts.iter().filter(is_broken).collect();
-    let (words, tone) = held(&broken);
     section.text(vec![
         Run::of("What was broken on purpose? ", Tone::Strong),
         Run::plain("hypotheses").to("#chapter-broken"),
         Run::plain(format!(" {} in {}; ", hypotheses.join(", "), counted(scenes.len(), "scene"))),
-        Run::of(words, tone),
+        held(&broken),
         Run::plain(" orders are those that were derived for it."),
     ]);
 }
@@ -408,13 +402,18 @@ fn glance(verdicts: &[&Verdict]) -> Vec<Run> {
 /// Norms in the table of cases that fit a page; cases.csv has all.
 const NORM_COLUMNS: usize = 4;
 
-pub(super) fn scientific(value: f64) -> String {
-    if value.is_finite() { format!("{value:.3e}") } else { "–".into() }
+/// A cell of what there may be.
+fn or_dash(cell: Option<impl ToString>) -> String {
+    cell.map_or("–".into(), |cell| cell.to_string())
+}
+
+fn scientific(value: f64) -> String {
+    or_dash(value.is_finite().then(|| format!("{value:.3e}")))
 }
 
 /// A step, as a fraction if possible.
 fn step(value: f64) -> String {
-    if value.is_finite() { crate::ruler::step_label(value) } else { "–".into() }
+    or_dash(value.is_finite().then(|| step_label(value)))
 }
 
 /// The points of a verdict, coarse to fine, with the orders between used neighbours.
@@ -431,25 +430,21 @@ pub(super) fn points(verdict: &Verdict) -> Table {
     let mut rows = Vec::new();
     for JudgedPoint { point, place, reason } in points {
         let at = along(point);
-        let order = match before.filter(|_| reason.is_none() && direction.is_some()) {
-            Some((step, other)) => {
-                format!("{:.3}", (other / point.error).ln() / (step / at).ln())
-            }
-            None => "–".into(),
-        };
+        let order = before.filter(|_| reason.is_none() && direction.is_some());
+        let order = order.map(|(step, other)| (other / point.error).ln() / (step / at).ln());
         if reason.is_none() {
             before = Some((at, point.error));
         }
         let use_of =
             reason.as_ref().map_or_else(|| "used".into(), |why| format!("left out: {why}"));
         let cells = [
-            place.n.map_or_else(|| "–".to_owned(), |n| n.to_string()),
+            or_dash(place.n),
             place.steps.to_string(),
             step(point.h),
             step(point.k),
             scientific(point.error),
-            order,
-            if point.floor > 0.0 { scientific(point.floor) } else { "–".into() },
+            or_dash(order.map(|order| format!("{order:.3}"))),
+            or_dash((point.floor > 0.0).then(|| scientific(point.floor))),
             use_of,
         ];
         rows.push(cells.map(Run::plain).into());
@@ -473,9 +468,9 @@ pub(super) fn cases(scene: &str, records: &[CaseRecord]) -> Table {
             Status::Skipped => Run::plain("skipped"),
         };
         let error = |norm: &&str| record.norm(norm).and_then(|entry| entry.error);
-        let cells = norms.iter().map(|norm| error(norm).map_or_else(|| "–".into(), scientific));
+        let cells = norms.iter().map(|norm| or_dash(error(norm).map(scientific)));
         let sizes = [
-            record.n.map_or_else(|| "–".into(), |n| n.to_string()),
+            or_dash(record.n),
             record.steps.to_string(),
             record.dofs.to_string(),
             record.newton_iterations.to_string(),

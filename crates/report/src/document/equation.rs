@@ -35,7 +35,14 @@ impl Equation {
 
 /// The problem and its scheme.
 pub fn equations(terms: Terms) -> Vec<Equation> {
-    let mut list = if terms.is_abstract { abstract_problem() } else { body(terms) };
+    let mut list = match terms.is_abstract {
+        true => vec![Equation::new(
+            "⟨Au(t), v−u(t)⟩ + φ((𝒮u)(t), u(t), v) − φ((𝒮u)(t), u(t), u(t)) + j⁰(γ_j u(t); γ_j v−γ_j u(t)) ≥ ⟨f(t), v−u(t)⟩ for all v ∈ K",
+            "chevron.l A u(t), v - u(t) chevron.r + phi((cal(S) u)(t), u(t), v) - phi((cal(S) u)(t), u(t), u(t)) \\ + j^0(gamma_j u(t); gamma_j v - gamma_j u(t)) >= chevron.l f(t), v - u(t) chevron.r quad forall v in K",
+            "(2.2)",
+        )],
+        false => body(terms),
+    };
     if terms.memory {
         list.push(Equation::new(
             "∫₀^{t_n} q(s) ds ≈ k Σ′_{j=0..n} q(t_j), first and last term halved",
@@ -44,14 +51,6 @@ pub fn equations(terms: Terms) -> Vec<Equation> {
         ));
     }
     list
-}
-
-fn abstract_problem() -> Vec<Equation> {
-    vec![Equation::new(
-        "⟨Au(t), v−u(t)⟩ + φ((𝒮u)(t), u(t), v) − φ((𝒮u)(t), u(t), u(t)) + j⁰(γ_j u(t); γ_j v−γ_j u(t)) ≥ ⟨f(t), v−u(t)⟩ for all v ∈ K",
-        "chevron.l A u(t), v - u(t) chevron.r + phi((cal(S) u)(t), u(t), v) - phi((cal(S) u)(t), u(t), u(t)) \\ + j^0(gamma_j u(t); gamma_j v - gamma_j u(t)) >= chevron.l f(t), v - u(t) chevron.r quad forall v in K",
-        "(2.2)",
-    )]
 }
 
 fn body(terms: Terms) -> Vec<Equation> {

@@ -23,23 +23,19 @@ const MOST_INSIDE: usize = 40;
 
 pub(crate) fn page(document: &Document) -> String {
     let sections = sections(document);
+    let link = |s: &Section| format!("<a href=\"#{}\">{}</a>", escaped(&s.id), escaped(&s.title));
+    let parts: Vec<String> = document.sections.iter().filter(|s| s.level == 1).map(link).collect();
     format!(
         "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
          <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n\
          <title>{title}</title>\n<link rel=\"icon\" href=\"data:,\">\n\
          <style>\n{STYLE}{}</style>\n</head>\n<body>\n<header>\n<h1>{title}</h1>\n<p>{}</p>\n\
-         {}</header>\n<main>\n{sections}</main>\n<script>\n{SCRIPT}</script>\n</body>\n</html>\n",
+         <nav aria-label=\"chapters\">{}</nav>\n</header>\n<main>\n{sections}</main>\n<script>\n{SCRIPT}</script>\n</body>\n</html>\n",
         sheet::RULES,
         escaped(&document.made_by),
-        contents(document),
+        parts.join(" "),
         title = escaped(&document.title),
     )
-}
-
-fn contents(document: &Document) -> String {
-    let link = |s: &Section| format!("<a href=\"#{}\">{}</a>", escaped(&s.id), escaped(&s.title));
-    let parts: Vec<String> = document.sections.iter().filter(|s| s.level == 1).map(link).collect();
-    format!("<nav aria-label=\"chapters\">{}</nav>\n", parts.join(" "))
 }
 
 /// All sections: cards of scenes side by side, other sections below a chapter folded.
@@ -67,11 +63,9 @@ fn cards(group: &[Section], beside: bool) -> String {
     let missed =
         |s: &Section| s.card.iter().flat_map(|of| &of.verdict).any(|run| run.tone == Tone::Miss);
     let open = if more.iter().any(missed) { " open" } else { "" };
-    let summary = counted(more.len(), "more scene");
+    let (summary, shown, more) = (counted(more.len(), "more scene"), grid(shown), grid(more));
     format!(
-        "{}<details class=\"more\"{open}>\n<summary>{summary}</summary>\n{}</details>\n",
-        grid(shown),
-        grid(more)
+        "{shown}<details class=\"more\"{open}>\n<summary>{summary}</summary>\n{more}</details>\n"
     )
 }
 
@@ -81,10 +75,10 @@ fn section(section: &Section) -> String {
     match (section.level, section.blocks.is_empty()) {
         (1, _) => format!("<section id=\"{id}\">\n<h2>{title}</h2>\n{blocks}</section>\n"),
         (_, true) => format!("<h3 id=\"{id}\">{title}</h3>\n"),
-        _ => format!(
-            "<section id=\"{id}\">\n{}</section>\n",
-            folded(&format!("<h3>{title}</h3>"), &blocks)
-        ),
+        _ => {
+            let blocks = folded(&format!("<h3>{title}</h3>"), &blocks);
+            format!("<section id=\"{id}\">\n{blocks}</section>\n")
+        }
     }
 }
 
@@ -122,10 +116,8 @@ fn block(block: &Block) -> String {
     match block {
         Block::Text(runs) => format!("<p>{}</p>\n", joined(runs)),
         Block::Formulas(formulas) => {
-            format!(
-                "<div class=\"formulas\">\n{}</div>\n",
-                formulas.iter().map(formula).collect::<String>()
-            )
+            let lines: String = formulas.iter().map(formula).collect();
+            format!("<div class=\"formulas\">\n{lines}</div>\n")
         }
         Block::Table(table) => of_table(table),
         Block::Figure(figure) => of_figure(figure),
@@ -162,14 +154,10 @@ fn of_table(table: &Table) -> String {
         return folded(&caption, &lines);
     }
     let class = |column: usize| if table.numeric[column] { " class=\"number\"" } else { "" };
-    let head: String = table
-        .head
-        .iter()
-        .enumerate()
-        .map(|(column, head)| {
-            format!("<th scope=\"col\"{}>{}</th>", class(column), set(head, false))
-        })
-        .collect();
+    let head = |(column, head): (usize, &String)| {
+        format!("<th scope=\"col\"{}>{}</th>", class(column), set(head, false))
+    };
+    let head: String = table.head.iter().enumerate().map(head).collect();
     let row = |cells: &Vec<Run>| {
         let cell = |(column, run)| format!("<td{}>{}</td>", class(column), of_run(run));
         format!("<tr>{}</tr>\n", cells.iter().enumerate().map(cell).collect::<String>())

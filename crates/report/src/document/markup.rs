@@ -102,8 +102,10 @@ const SIGNS: &str = r#"
 /// The document as Markdown; pictures are linked, tables of evidence folded.
 pub(crate) fn markdown(document: &Document) -> String {
     let mut text = format!("# {}\n\n{}\n\n", plain(&document.title), plain(&document.made_by));
-    for section in &document.sections {
-        text += &of_section(section);
+    for Section { level, id, title, blocks, .. } in &document.sections {
+        let blocks: String = blocks.iter().map(|block| of_block(block, *level > 1)).collect();
+        let (marks, title) = ("#".repeat(level + 1), plain(title));
+        text += &format!("<a id=\"{id}\"></a>\n\n{marks} {title}\n\n{blocks}");
     }
     text
 }
@@ -117,12 +119,6 @@ pub(crate) fn verdict_rows(verdicts: &[Verdict]) -> String {
     rows(&Table::new("", &heads, verdicts.iter().map(row).collect()))
 }
 
-fn of_section(section: &Section) -> String {
-    let level = "#".repeat(section.level + 1);
-    let blocks: String = section.blocks.iter().map(|b| of_block(b, section.level > 1)).collect();
-    format!("<a id=\"{}\"></a>\n\n{level} {}\n\n{blocks}", section.id, plain(&section.title))
-}
-
 fn of_block(block: &Block, folded: bool) -> String {
     match block {
         Block::Text(runs) => format!("{}\n\n", runs.iter().map(of_run).collect::<String>()),
@@ -132,11 +128,9 @@ fn of_block(block: &Block, folded: bool) -> String {
             format!("{}\n", formulas.iter().map(line).collect::<String>())
         }
         Block::Table(table) if folded => {
-            let Table { number, caption, .. } = table;
+            let (number, caption, rows) = (table.number, html(&table.caption), rows(table));
             format!(
-                "<details><summary>Table {number}. {}</summary>\n\n{}\n</details>\n\n",
-                html(caption),
-                rows(table)
+                "<details><summary>Table {number}. {caption}</summary>\n\n{rows}\n</details>\n\n"
             )
         }
         Block::Table(table) => {

@@ -186,12 +186,6 @@ impl Table {
     fn evidence(self) -> Self {
         Self { evidence: true, ..self }
     }
-
-    /// Whether every row has the columns of the head.
-    fn is_whole(&self) -> bool {
-        let columns = self.head.len();
-        self.numeric.len() == columns && self.rows.iter().all(|row| row.len() == columns)
-    }
 }
 
 impl Section {

@@ -205,8 +205,8 @@ impl StudyDocument {
     pub(crate) fn read_all(dir: &Path) -> Result<Vec<Self>, ReportError> {
         let names = names(dir)?;
         let mut found = Vec::new();
-        for (name, chapter) in names.iter().filter_map(|name| Some((name, Chapter::of_file(name)?)))
-        {
+        for name in &names {
+            let Some(chapter) = Chapter::of_file(name) else { continue };
             let path = dir.join(name);
             let text = read_text(&path)?;
             let refused = |line: usize, reason: String| ReportError::Study {
@@ -215,16 +215,29 @@ impl StudyDocument {
                 reason,
                 command: chapter.command().into(),
             };
-            let mut study: Self = serde_json::from_str(&text)
-                .map_err(|error| refused(error.line(), without_place(&error.to_string())))?;
-            let torn = |block: &Block| matches!(block, Block::Table(table) if !table.is_whole());
+            let mut study: Self = serde_json::from_str(&text).map_err(|error| {
+                // Without " at line … column …", which precedes it.
+                let said = error.to_string();
+                let what = said.rsplit_once(" at line ").map_or(&*said, |(what, _)| what);
+                refused(error.line(), what.to_owned())
+            })?;
+            // Every row has the columns of the head.
+            let torn = |block: &Block| match block {
+                Block::Table(Table { head, numeric, rows, .. }) => {
+                    numeric.len() != head.len() || rows.iter().any(|row| row.len() != head.len())
+                }
+                _ => false,
+            };
             if study.chapter != chapter || study.blocks.iter().any(torn) {
                 let reason = "not what its name says, or a table with rows of several lengths";
                 return Err(refused(1, reason.into()));
             }
-            study.blocks.retain_mut(|block| match block {
-                Block::Figure(figure) => figure.read(dir),
-                _ => true,
+            // A picture that is missing, or none, is not shown; only names within the directory are followed.
+            study.blocks.retain_mut(|block| {
+                let Block::Figure(Figure { file, svg, .. }) = block else { return true };
+                *svg = read_text(&dir.join(&*file)).unwrap_or_default();
+                let name = Path::new(&*file).file_name();
+                name.is_some_and(|name| name == &**file) && svg.trim_start().starts_with("<svg")
             });
             found.push(study);
         }
@@ -262,22 +275,6 @@ impl Table {
         let rows = rows.as_array().into_iter().flatten().map(row).collect();
         Self::new(caption, &heads, rows)
     }
-}
-
-impl Figure {
-    /// Reads the picture beside its document; false if it is missing or not a picture.
-    fn read(&mut self, dir: &Path) -> bool {
-        // Only names within the directory are followed.
-        let is_plain_name =
-            Path::new(&self.file).file_name().is_some_and(|name| name == &*self.file);
-        self.svg = read_text(&dir.join(&self.file)).unwrap_or_default();
-        is_plain_name && self.svg.trim_start().starts_with("<svg")
-    }
-}
-
-/// The parser's message without " at line … column …", which precedes it.
-fn without_place(message: &str) -> String {
-    message.rsplit_once(" at line ").map_or(message, |(what, _)| what).to_owned()
 }
 
 // Pictures of single cases that `sweep solve --pictures` left in the directory of a report.
@@ -422,22 +419,18 @@ impl StudyDocument {
         let statements = Claim::worst(claims);
         let all = format!("{}, and every one holds.", counted(claims.len(), "claim"));
         self.verdict(Claim::all_hold(claims), &all, failures);
-        if statements.len() == 1 {
-            let rows = claims.iter().map(|claim| row(claim, 1)).collect();
+        let (caption, rows): (_, Vec<_>) = if statements.len() == 1 {
             let caption = "The claims: both sides, what rounding allows, and left/right.";
-            self.push(Table::new(caption, &HEADS, rows));
+            (caption, claims.iter().map(|claim| (claim, 1)).collect())
         } else {
             let mut rows: Vec<_> = statements.into_iter().collect();
-            rows.sort_by(|(a, _), (b, _)| match a.is_worse_than(b) {
-                true => std::cmp::Ordering::Less,
-                false if b.is_worse_than(a) => std::cmp::Ordering::Greater,
-                false => std::cmp::Ordering::Equal,
-            });
-            let rows = rows.into_iter().map(|(claim, count)| row(claim, count)).collect();
+            rows.sort_by(|(a, _), (b, _)| b.is_worse_than(a).cmp(&a.is_worse_than(b)));
             let caption = "The claims, the tightest first: each where it is tightest of so many places, both sides there, what rounding allows, \
                            and the tightness, left/right.";
-            self.push(Table::new(caption, &HEADS, rows));
-        }
+            (caption, rows)
+        };
+        let rows = rows.into_iter().map(|(claim, count)| row(claim, count)).collect();
+        self.push(Table::new(caption, &HEADS, rows));
     }
 }
 
@@ -469,7 +462,8 @@ fn row(claim: &Claim, count: usize) -> Vec<Run> {
     };
     vec![
         Run::plain(claim.statement.source),
-        Run::formula(&signs(claim.statement.says)),
+        // The signs of sums and integrals; the rest is letters.
+        Run::formula(&claim.statement.says.replace("sum_j", "Σ_j").replace("Au", "A u")),
         Run::plain(place),
         number(finite(claim.left)),
         relation,
@@ -478,13 +472,6 @@ fn row(claim: &Claim, count: usize) -> Vec<Run> {
         precise(claim.tightness().and_then(finite), 3),
         is,
     ]
-}
-
-/// The signs of sums and integrals; the rest is letters.
-fn signs(says: &str) -> String {
-    [("sum_j", "Σ_j"), ("Au", "A u")]
-        .iter()
-        .fold(says.to_owned(), |text, (from, to)| text.replace(from, to))
 }
 
 // Numbers in sentences and cells.

@@ -163,7 +163,9 @@ pub(super) fn text(title: &str, blocks: &[Block], width: u16) -> String {
 
 fn block(block: &Block, width: u16) -> Option<String> {
     Some(match block {
-        Block::Text(runs) => paragraph(&joined(runs), width),
+        Block::Text(runs) => {
+            paragraph(&runs.iter().map(|run| run.text.as_str()).collect::<String>(), width)
+        }
         Block::Formulas(formulas) => {
             let line = |Equation { plain, number, .. }: &Equation| format!("{plain}  {number}");
             formulas.iter().map(line).collect::<Vec<_>>().join("\n")
@@ -182,10 +184,6 @@ fn paragraph(text: &str, width: u16) -> String {
 }
 
 const LONGEST: u16 = 110;
-
-fn joined(runs: &[Run]) -> String {
-    runs.iter().map(|run| run.text.as_str()).collect()
-}
 
 // Verdicts as a text table, with reasons below.
 

@@ -6,11 +6,11 @@
 use std::collections::BTreeMap;
 use std::sync::LazyLock;
 
-use crate::StepLimits;
 use crate::document::content::{Drawn, Report, tone};
 use crate::document::{
     Block, Chapter, Equation, Run, Section, StudyDocument, Table, Tone, number, precise,
 };
+use crate::{StepLimits, plain_name};
 use judge::verdict::cell_texts;
 use serde::Deserialize;
 
@@ -30,13 +30,11 @@ struct Opening {
     more: String,
 }
 
-static OPENINGS: LazyLock<BTreeMap<String, Vec<Opening>>> = LazyLock::new(|| {
-    toml::from_str(include_str!("chapters.toml")).expect("openings of chapters that are read")
+static OPENINGS: LazyLock<Vec<Opening>> = LazyLock::new(|| {
+    let text = include_str!("chapters.toml");
+    let all: BTreeMap<String, Vec<Opening>> = toml::from_str(text).expect("openings that are read");
+    all.into_values().flatten().collect()
 });
-
-fn openings() -> &'static [Opening] {
-    &OPENINGS["chapter"]
-}
 
 impl Opening {
     fn section(&self) -> Section {
@@ -64,7 +62,7 @@ pub(super) fn chapters(report: &Report<'_>) -> Vec<Section> {
         // Every scene has its bounds.
         let bounds = (chapter == Chapter::Bound).then(|| step_sizes(report));
         if bounds.is_some() || !studies.is_empty() {
-            let opening = openings().iter().find(|opening| opening.chapter == chapter);
+            let opening = OPENINGS.iter().find(|opening| opening.chapter == chapter);
             all.extend(opening.map(Opening::section));
         }
         all.extend(bounds.into_iter().chain(studies));
@@ -84,10 +82,9 @@ pub(super) fn failures(studies: &[StudyDocument]) -> Vec<(String, String)> {
 }
 
 fn id(study: &StudyDocument) -> String {
-    let plain = |c: char| if c.is_alphanumeric() || "-_.".contains(c) { c } else { '-' };
     let name = study.chapter.name();
     match &study.scene {
-        Some(scene) => format!("{name}-{}", scene.chars().map(plain).collect::<String>()),
+        Some(scene) => format!("{name}-{}", plain_name(scene)),
         None => format!("study-{name}"),
     }
 }
@@ -97,7 +94,13 @@ fn studies(report: &Report<'_>, chapter: Chapter) -> Vec<Section> {
     let of_chapter = report.studies.iter().filter(|study| study.chapter == chapter);
     let section = |study: &StudyDocument| {
         let mut section = Section::new(2, &id(study), &study.title);
-        of_this_text(&mut section, study, report);
+        // A study of another text of a scene is no evidence for these records.
+        let known =
+            study.scene.as_ref().and_then(|scene| report.provenance["scenes"][scene].as_str());
+        if known.is_some_and(|hash| study.fingerprint.as_deref() != Some(hash)) {
+            let words = "This study was made from a different text of the scene than the records.";
+            section.text(vec![Run::of(words, Tone::Miss)]);
+        }
         section.blocks.extend(study.blocks.iter().cloned());
         section
     };
@@ -106,7 +109,7 @@ fn studies(report: &Report<'_>, chapter: Chapter) -> Vec<Section> {
 
 /// The commands of what is not in the directory of this report; None if nothing is missing.
 fn absent(report: &Report<'_>, none_broken: bool) -> Option<Section> {
-    let kinds = openings().iter().map(|opening| opening.chapter);
+    let kinds = OPENINGS.iter().map(|opening| opening.chapter);
     let missing = kinds.filter(|kind| report.studies.iter().all(|s| s.chapter != *kind));
     let mut commands: Vec<&str> = missing.map(Chapter::command).collect();
     commands.extend(none_broken.then_some("run broken-kernel broken-trace"));
@@ -122,17 +125,6 @@ fn absent(report: &Report<'_>, none_broken: bool) -> Option<Section> {
     runs.extend([Run::plain("; then "), Run::code("sweep report DIR"), Run::plain(".")]);
     section.text(runs);
     Some(section)
-}
-
-/// Notes a study of another text of a scene, which is no evidence for these records.
-fn of_this_text(section: &mut Section, study: &StudyDocument, report: &Report<'_>) {
-    let Some(scene) = &study.scene else { return };
-    let known = report.provenance.get("scenes").and_then(|scenes| scenes.get(scene));
-    let known = known.and_then(serde_json::Value::as_str);
-    if known.is_some_and(|hash| study.fingerprint.as_deref() != Some(hash)) {
-        let words = "This study was made from a different text of the scene than the records.";
-        section.text(vec![Run::of(words, Tone::Miss)]);
-    }
 }
 
 // The bound (3.4) of every scene, in numbers that follow from its data.
@@ -173,7 +165,13 @@ fn row(Drawn { scene, stem, .. }: &Drawn<'_>, report: &Report<'_>) -> Vec<Run> {
     let standing = match (&scene.step, broken) {
         (None, _) => Run::plain("not computed"),
         (_, Some(name)) => Run::plain(format!("without a bound: ({name}) is broken")),
-        (Some(limits), None) => standing(limits, largest),
+        (Some(limits), None) => match largest {
+            None => Run::plain("–"),
+            Some(k) if k < limits.theorem => Run::plain("within (3.4)"),
+            Some(k) if k < limits.solvable => Run::plain("beyond (3.4), one solution"),
+            // Includes NaN limits.
+            Some(_) => Run::of("not guaranteed", Tone::Strong),
+        },
     };
     vec![
         Run::plain(&*scene.name).to(format!("#{stem}")),
@@ -186,17 +184,6 @@ fn row(Drawn { scene, stem, .. }: &Drawn<'_>, report: &Report<'_>) -> Vec<Run> {
         number(largest),
         standing,
     ]
-}
-
-/// Position of the largest step of the records.
-fn standing(limits: &StepLimits, largest: Option<f64>) -> Run {
-    match largest {
-        None => Run::plain("–"),
-        Some(k) if k < limits.theorem => Run::plain("within (3.4)"),
-        Some(k) if k < limits.solvable => Run::plain("beyond (3.4), one solution"),
-        // Includes NaN limits.
-        Some(_) => Run::of("not guaranteed", Tone::Strong),
-    }
 }
 
 // Broken hypotheses: the scenes that break one on purpose, and the remaining order.
@@ -232,13 +219,11 @@ fn broken(report: &Report<'_>) -> Option<Section> {
                 first.iter().cloned().chain(cells).chain([decision]).collect()
             })
             .collect();
-        match judged.is_empty() {
-            false => rows.extend(judged),
-            true => {
-                let cells = ["–", "–", "–", "not judged"].map(Run::plain);
-                rows.push(first.into_iter().chain(cells).collect());
-            }
+        if judged.is_empty() {
+            let cells = ["–", "–", "–", "not judged"].map(Run::plain);
+            rows.push(first.into_iter().chain(cells).collect());
         }
+        rows.extend(judged);
     }
     section.table(Table::new(
         "Scenes that break a hypothesis, by its number in the paper: the order that is derived for it, and the one observed.",
