@@ -50,10 +50,13 @@ const IN_TIME: f64 = 1e-4;
 /// Steps beyond which direct sums are not worth their cost: the error is long asymptotic.
 const MOST_STEPS: u32 = 1024;
 
-/// Computed time errors, shared by the norms and predictions of a scene: by the cases of one mesh and whether u(t) had to be
-/// in V^h the largest step and errors of each computed case.
+/// The largest step and errors of each computed case of a mesh.
+type OfMesh = Vec<(Case, f64, Largest)>;
+
+/// Computed time errors, shared by the norms and predictions of a scene, by the cases of one mesh and whether u(t) had to be
+/// in V^h.
 #[derive(Debug, Default)]
-pub struct InTime(BTreeMap<(Vec<Case>, bool), Vec<(Case, f64, Largest)>>);
+pub struct InTime(BTreeMap<(Vec<Case>, bool), OfMesh>);
 
 /// The leading errors of `cases` of a scene, in the order of the cases, in a norm and a direction with its predicted order,
 /// or why there are none; reuses what has been computed for other norms of the scene.
