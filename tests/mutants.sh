@@ -14,14 +14,15 @@ command -v cargo-mutants >/dev/null || {
 status=0
 for module in "$@"; do
     case $module in
-    law | history) crate=vhi ;;
-    fit | verdict) crate=judge ;;
+    law | history) crate=vhi path=src/$module ;;
+    fit) crate=fit path=src ;;
+    verdict) crate=judge path=src/$module ;;
     *) echo "mutants: $module is not one of law, history, fit, verdict" >&2; exit 2 ;;
     esac
     # In place: a copy would build its dependencies anew. Survivors are status 2, which ends nothing here.
     # Of its two builds, library and unit tests, a mutant needs the second. What an earlier run caught is not run again
     # (remove target/mutants/MODULE to begin anew), so that an interrupted run goes on.
     cargo mutants --package "gronwall-$crate" --output "target/mutants/$module" --in-place --timeout 120 \
-        --cargo-arg=--lib --iterate -f "crates/$crate/src/$module/**" || status=$?
+        --cargo-arg=--lib --iterate -f "crates/$crate/$path/**" || status=$?
 done
 exit "$status"
