@@ -223,37 +223,7 @@ impl<const S: usize> InSpace<S> {
         if self.slope.is_some() {
             terms.push(RankOne { column, row });
         }
-        // (K + Σ a_i b_iᵀ)⁻¹ of it, by the Sherman–Morrison–Woodbury formula.
-        let dofs = space.dofs();
-        let analysis = space.analysis()?;
-        let (mut factor, mut workspace) = (analysis.factor(), analysis.workspace());
-        analysis.factorize(&space.pattern, &values, &mut factor, &mut workspace)?;
-        let mut front = Front::default();
-        let mut solved = |side: &[f64]| {
-            let mut x = side[..dofs].to_vec();
-            analysis.solve(&factor, &mut x, &mut front);
-            x
-        };
-        let mut error = solved(&right);
-        // nalgebra does not solve systems without rows.
-        if !terms.is_empty() {
-            let answers: Vec<Vec<f64>> = terms.iter().map(|term| solved(&term.column)).collect();
-            let along = |i: usize, vector: &[f64]| dot(&terms[i].row[..dofs], vector);
-            let capacitance = DMatrix::from_fn(terms.len(), terms.len(), |i, j| {
-                f64::from(u8::from(i == j)) + along(i, &answers[j])
-            });
-            let factors = capacitance.lu();
-            let pivots = factors.u().diagonal();
-            if pivots.iter().any(|pivot| pivot.is_nan() || pivot.abs() <= SINGULAR) {
-                return Err(NoConstant::Singular { t });
-            }
-            let rows = DVector::from_fn(terms.len(), |i, _| along(i, &error));
-            let shares = factors.solve(&rows).ok_or(NoConstant::Singular { t })?;
-            for (share, answer) in shares.iter().zip(&answers) {
-                axpy(-share, answer, &mut error);
-            }
-        }
-        error.resize(space.nodes.len(), 0.0);
+        let error = solve(space, t, &values, right, &terms)?;
         let strain: Vec<Mandel<S>> = strains(space, &error);
         // The level's contribution to the change of ζ.
         let share = match self.slope.is_some() && state.norm > 0.0 {
@@ -330,6 +300,51 @@ pub(super) struct RankOne {
 
 /// Smaller pivots are zero up to rounding.
 const SINGULAR: f64 = 1e-9;
+
+/// (K + Σ a_i b_iᵀ)⁻¹ `right`, over all nodes, by the Sherman–Morrison–Woodbury formula; `values` are K's.
+///
+/// # Errors
+/// [`NoConstant::Singular`]; a K that cannot be factorized.
+fn solve(
+    space: &Discretization,
+    t: f64,
+    values: &[f64],
+    mut right: Vec<f64>,
+    terms: &[RankOne],
+) -> Result<Vec<f64>, NoConstant> {
+    let dofs = space.dofs();
+    let analysis = space.analysis()?;
+    let (mut factor, mut workspace) = (analysis.factor(), analysis.workspace());
+    analysis.factorize(&space.pattern, values, &mut factor, &mut workspace)?;
+    let mut front = Front::default();
+    let mut solved = |side: &[f64]| {
+        let mut x = side[..dofs].to_vec();
+        analysis.solve(&factor, &mut x, &mut front);
+        x
+    };
+    let mut error = solved(&right);
+    // nalgebra does not solve systems without rows.
+    if !terms.is_empty() {
+        let answers: Vec<Vec<f64>> = terms.iter().map(|term| solved(&term.column)).collect();
+        let along = |i: usize, vector: &[f64]| dot(&terms[i].row[..dofs], vector);
+        let capacitance = DMatrix::from_fn(terms.len(), terms.len(), |i, j| {
+            f64::from(u8::from(i == j)) + along(i, &answers[j])
+        });
+        let factors = capacitance.lu();
+        let pivots = factors.u().diagonal();
+        if pivots.iter().any(|pivot| pivot.is_nan() || pivot.abs() <= SINGULAR) {
+            return Err(NoConstant::Singular { t });
+        }
+        let rows = DVector::from_fn(terms.len(), |i, _| along(i, &error));
+        let shares = factors.solve(&rows).ok_or(NoConstant::Singular { t })?;
+        for (share, answer) in shares.iter().zip(&answers) {
+            axpy(-share, answer, &mut error);
+        }
+    }
+    right.fill(0.0);
+    right[..dofs].copy_from_slice(&error);
+    Ok(right)
+}
 
 // Norms of the leading error in time: of functions of the element, and of tensors at its strain points.
 

@@ -225,18 +225,8 @@ const PIECES: usize = 8;
 /// u_ν may exceed g by rounding: this part of the size of both.
 const ROUNDING: f64 = 1e-12;
 
-/// Adds -p ν on Γ3 to tractions, and G of the level; infinite where u_ν > g or the law never has the pressure p.
-///
-/// p is linear on the edges of Γ3: ξ + λ at the points of the trace, at a clamped one the pressure of the graph that is
-/// nearest to its neighbour's. That of nodal pressures which are quadratic is the nearest one in L², cut off where it leaves
-/// what the nodes have: the law has those pressures.
-pub(super) fn on_contact(
-    space: &Discretization,
-    model: &Model,
-    view: &StepView<'_>,
-    edges: &Edges,
-    tractions: &mut [f64],
-) -> f64 {
+/// ξ + λ at the points of the trace; at a clamped one the pressure of the graph that is nearest to its neighbour's.
+pub(super) fn pressures(space: &Discretization, model: &Model, view: &StepView<'_>) -> Vec<f64> {
     let trace = &space.trace;
     let mut pressure: Vec<f64> =
         view.compliance.iter().zip(view.multiplier).map(|(xi, lambda)| xi + lambda).collect();
@@ -251,7 +241,14 @@ pub(super) fn on_contact(
             pressure[end] = pressure[other].max(lo).min(hi);
         }
     }
-    let along = |f: usize| {
+    pressure
+}
+
+/// Linear pressures on the edges of Γ3 by their values at both ends. That of nodal pressures which are quadratic is the
+/// nearest one in L², cut off where it leaves what the nodes have: the law has those pressures.
+pub(super) fn along_edges(space: &Discretization, pressure: &[f64]) -> Vec<[f64; 2]> {
+    let trace = &space.trace;
+    let edge = |f: usize| {
         let on_edge: Vec<f64> = trace.facet(f).iter().map(|&i| pressure[i as usize]).collect();
         let &[first, second, middle] = on_edge.as_slice() else { return [on_edge[0], on_edge[1]] };
         // λ_0 λ_1 is nearest to its mean 1/6.
@@ -260,7 +257,17 @@ pub(super) fn on_contact(
         let most = on_edge.iter().copied().fold(f64::NEG_INFINITY, f64::max);
         [first, second].map(|end| (end + raise).max(least).min(most))
     };
-    let pressure: Vec<[f64; 2]> = (0..trace.measure.len()).map(along).collect();
+    (0..trace.measure.len()).map(edge).collect()
+}
+
+/// Adds -p ν on Γ3.
+pub(super) fn add_pressures(
+    space: &Discretization,
+    edges: &Edges,
+    pressure: &[[f64; 2]],
+    tractions: &mut [f64],
+) {
+    let trace = &space.trace;
     for (f, &facet) in trace.mesh_facet.iter().enumerate() {
         let Some((free, ends)) = edges.on_facet(facet as usize) else { continue };
         for (&point, p) in trace.facet(f).iter().zip(&pressure[f]) {
@@ -271,7 +278,17 @@ pub(super) fn on_contact(
             }
         }
     }
+}
+
+/// G of the level, and of pressures p at the ends of the edges; infinite where u_ν > g or the law never has the pressure p.
+pub(super) fn duality_gap(
+    space: &Discretization,
+    model: &Model,
+    view: &StepView<'_>,
+    pressure: &[[f64; 2]],
+) -> f64 {
     let rule = edge(4);
+    let trace = &space.trace;
     let mut sum = 0.0;
     for f in 0..trace.measure.len() {
         let Some(boundary) = model.boundary_on(space.side(f)) else { continue };

@@ -225,8 +225,10 @@ impl<'a> Bounding<'a> {
         let mut loads = self.densities.at(space, edges, view.t)?;
         let mut gap = 0.0;
         if !model.boundary.is_empty() {
-            let tractions = &mut loads.given.tractions;
-            gap = densities::on_contact(space, model, view, edges, tractions);
+            let pressure = densities::pressures(space, model, view);
+            let pressure = densities::along_edges(space, &pressure);
+            gap = densities::duality_gap(space, model, view, &pressure);
+            densities::add_pressures(space, edges, &pressure, &mut loads.given.tractions);
         }
         let stresses = self.equilibrium.nearest(&start, &loads.given);
         let imbalance = self.equilibrium.imbalance(&stresses, &loads.given);
@@ -240,25 +242,7 @@ impl<'a> Bounding<'a> {
         let square = self.equilibrium.distance(&stresses, &start);
         let residual = square.max(0.0).sqrt();
         let oscillation = loads.oscillation(space, &self.equilibrium, elasticity);
-        // The larger zero of (1 - β_nn) e² - a e - G, a = ρ + o + Σ_{j<n} β_nj e_j.
-        let t = self.grid.time(view.n);
-        let weights = weights(self.model, &self.grid, view.n);
-        let last = weights.last().copied().unwrap_or(0.0);
-        if last.is_nan() || last >= 1.0 {
-            return Err(StudyError::no_bound(format!(
-                "the memory of the step that ends at t = {t} has the weight {last:.2}, which must be below 1: take smaller steps"
-            )));
-        }
-        let past: f64 =
-            weights.iter().zip(&self.found).map(|(weight, level)| weight * level.bound).sum();
-        let linear = residual + oscillation + past;
-        let keep = 1.0 - last;
-        let bound = (linear + (linear * linear + 4.0 * keep * gap).sqrt()) / (2.0 * keep);
-        if !bound.is_finite() {
-            return Err(StudyError::no_bound(format!(
-                "at t = {t} the computed u_ν exceeds the gap between nodes, or the law never has the computed pressure"
-            )));
-        }
+        let bound = self.bound(view.n, residual + oscillation, gap)?;
         let error =
             self.truth.as_mut().map(|truth| truth.distance(space, elasticity, view.u, view.t));
         self.found.push(BoundedLevel {
@@ -272,6 +256,29 @@ impl<'a> Bounding<'a> {
             error,
         });
         Ok(())
+    }
+
+    /// The larger zero of (1 - β_nn) e² - a e - G, a = `estimate` + Σ_{j<n} β_nj e_j.
+    fn bound(&self, n: usize, estimate: f64, gap: f64) -> Result<f64> {
+        let weights = weights(self.model, &self.grid, n);
+        let last = weights.last().copied().unwrap_or(0.0);
+        let t = self.grid.time(n);
+        if last.is_nan() || last >= 1.0 {
+            return Err(StudyError::no_bound(format!(
+                "the memory of the step that ends at t = {t} has the weight {last:.2}, which must be below 1: take smaller steps"
+            )));
+        }
+        let past: f64 =
+            weights.iter().zip(&self.found).map(|(weight, level)| weight * level.bound).sum();
+        let linear = estimate + past;
+        let keep = 1.0 - last;
+        let bound = (linear + (linear * linear + 4.0 * keep * gap).sqrt()) / (2.0 * keep);
+        if !bound.is_finite() {
+            return Err(StudyError::no_bound(format!(
+                "at t = {t} the computed u_ν exceeds the gap between nodes, or the law never has the computed pressure"
+            )));
+        }
+        Ok(bound)
     }
 }
 
@@ -295,23 +302,12 @@ fn energy_norm(space: &Discretization, elasticity: &TensorField, v: &[f64]) -> f
 
 /// β_nj, j = 0, …, n; zeros without memory.
 pub(super) fn weights(model: &Model, grid: &TimeGrid, n: usize) -> Vec<f64> {
-    let elastic = &model.elasticity;
-    let dense = |tensor: &FourthOrder| Matrix3::from(tensor.matrix::<3>());
     let weight = |j: usize| {
         let of = |kernel: &dyn MemoryKernel| {
             model.time_rule.kernel_weight(&Convolution(kernel), grid, n, j)
         };
         let sum = weighted_memory(&model.memory, of, 2);
-        sum.map_or(0.0, |sum| {
-            // The largest eigenvalue of 𝒜⁻¹𝒞 on S² in all regions, by size: that of L⁻¹𝒞L⁻ᵀ with 𝒜 = LLᵀ.
-            let on_region = |region: usize| {
-                let inverse = dense(elastic.on(region)).cholesky()?.l().try_inverse()?;
-                let both = inverse * dense(sum.on(region)) * inverse.transpose();
-                Some(both.symmetric_eigenvalues().amax())
-            };
-            let count = sum.regions().len().max(elastic.regions().len());
-            (0..count).filter_map(on_region).fold(0.0, larger)
-        })
+        sum.map_or(0.0, |sum| quotient(&sum, &model.elasticity))
     };
     (0..=n).map(weight).collect()
 }
@@ -355,10 +351,24 @@ impl Strains {
                 let exact = [xx, yy, std::f64::consts::SQRT_2 * xy];
                 let computed = shapes.tensor(&self.rule.points[q], &strains);
                 let off: [f64; 3] = std::array::from_fn(|i| exact[i] - computed[i]);
-                let square = contract(&tensor.apply(&off), &off);
-                sum += weight * space.geometry.measure[c] * square;
+                sum += weight
+                    * space.geometry.measure[c]
+                    * algebra::tensor::contract(&tensor.apply(&off), &off);
             }
         }
         sum.max(0.0).sqrt()
     }
+}
+
+/// The largest eigenvalue of 𝒜⁻¹𝒞 on S² in all regions, by size.
+fn quotient(tensor: &TensorField, elastic: &TensorField) -> f64 {
+    let count = tensor.regions().len().max(elastic.regions().len());
+    let dense = |tensor: &FourthOrder| Matrix3::from(tensor.matrix::<3>());
+    // That of L⁻¹𝒞L⁻ᵀ with 𝒜 = LLᵀ.
+    let on_region = |region: usize| {
+        let inverse = dense(elastic.on(region)).cholesky()?.l().try_inverse()?;
+        let both = inverse * dense(tensor.on(region)) * inverse.transpose();
+        Some(both.symmetric_eigenvalues().amax())
+    };
+    (0..count).filter_map(on_region).fold(0.0, larger)
 }

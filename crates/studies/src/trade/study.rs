@@ -64,22 +64,8 @@ pub fn trade(
     let [n, steps] = trade_grid(setup, [&asked.n, &asked.steps], budget)?;
     let mut bench = Bench::new(setup, wanted.norm)?;
     let mut settings: Vec<Setting> = Vec::new();
-    // The meshes of a change: those of the scene, or with about as many nodes of another element; or why its errors cannot be
-    // measured.
-    let admitted = |change: &Change| -> Result<Vec<u32>, StudyError> {
-        let (changed, own) = (change.of(&setup.scene)?, setup.body.element);
-        let element = changed.as_contact().map_or(own, |body| body.element);
-        if element.degree() > own.degree() && setup.exact.is_none() {
-            let why = "the reference run has a lower degree, so it cannot serve as the truth";
-            return Err(StudyError::other(why));
-        }
-        let other = element != own;
-        let meshes = if other { element_meshes(&setup.scene, &n, element) } else { n.clone() };
-        admit_trade(changed, [&meshes, &steps], limit)?;
-        Ok(meshes)
-    };
     for change in changes {
-        let meshes = match admitted(&change) {
+        let meshes = match admitted(setup, &change, [&n, &steps], limit) {
             Ok(meshes) => meshes,
             Err(refused) if settings.is_empty() => return Err(refused),
             Err(refused) => {
@@ -95,36 +81,7 @@ pub fn trade(
         settings.push(Setting::of(change, trials, setup));
     }
     let target = wanted.error(bench.size);
-    // The cheapest run with each change; the first refusal if there is none at all.
-    let reaching = |target: f64| -> Result<Vec<Candidate>, NoAnswer> {
-        let floors = settings[0].trials.iter().map(|trial| trial.floor);
-        NoAnswer::admit(target, floors.fold(0.0, f64::max))?;
-        let cheapest = |one: &Setting| {
-            let missing = |what, reason: &str| {
-                NoAnswer::Refused(format!("the {what} have no model: {reason}"))
-            };
-            let error = one.error.as_ref().map_err(|reason| missing("errors", reason))?;
-            let cost = one.cost.as_ref().map_err(|reason| missing("times", reason))?;
-            let [least, most] = [one.trials.first(), one.trials.last()]
-                .map(|trial| trial.map(Trial::place).unwrap_or_default());
-            let changed = Setup::new(one.change.of(&setup.scene).map_err(SetupError::from)?)?;
-            let choices = Choices::new(&changed, true)?;
-            let law = Law {
-                error: Box::new(|h, k| error.error(h, k)),
-                seconds: Box::new(|h, k| cost.seconds(h, k)),
-                range: [least, choices.most()],
-                made: SPAN * most[0],
-            };
-            let choice = choices.cheapest(&law, target, limit)?;
-            Ok(Candidate { change: one.change.clone(), choice })
-        };
-        let all: Vec<_> = settings.iter().map(cheapest).collect();
-        match all.iter().any(Result::is_ok) {
-            true => Ok(all.into_iter().flatten().collect()),
-            false => all.into_iter().collect(),
-        }
-    };
-    let candidates = target.map(|target| target.and_then(reaching));
+    let candidates = target.map(|target| candidates(&settings, setup, target?, limit));
     let (candidates, refused) = match candidates.transpose() {
         Ok(found) => (found.unwrap_or_default(), None),
         Err(none) => (Vec::new(), Some(none)),
@@ -143,6 +100,28 @@ pub fn trade(
         None => None,
     };
     Ok((found(&bench, &settings, &candidates, answer, confirmed), refused))
+}
+
+/// The meshes of a change: those of the scene, or with about as many nodes of another element; or why its errors cannot be
+/// measured.
+fn admitted(
+    setup: &Setup,
+    change: &Change,
+    [n, steps]: [&[u32]; 2],
+    limit: &MemoryLimit,
+) -> Result<Vec<u32>, StudyError> {
+    let (changed, own) = (change.of(&setup.scene)?, setup.body.element);
+    let element = changed.as_contact().map_or(own, |body| body.element);
+    if element.degree() > own.degree() && setup.exact.is_none() {
+        let why = "the reference run has a lower degree, so it cannot serve as the truth";
+        return Err(StudyError::other(why));
+    }
+    let meshes = match element == own {
+        true => n.to_vec(),
+        false => element_meshes(&setup.scene, n, element),
+    };
+    admit_trade(changed, [&meshes, steps], limit)?;
+    Ok(meshes)
 }
 
 /// Refuses runs of a scene that would take more memory than there may be: beside a run a bench holds the truth on its mesh
@@ -205,6 +184,31 @@ impl Setting {
         Self { change, trials, error, cost }
     }
 
+    /// The cheapest run whose predicted error is the target or less.
+    fn cheapest(
+        &self,
+        setup: &Setup,
+        target: f64,
+        limit: &MemoryLimit,
+    ) -> Result<Candidate, NoAnswer> {
+        let missing =
+            |what, reason: &str| NoAnswer::Refused(format!("the {what} have no model: {reason}"));
+        let error = self.error.as_ref().map_err(|reason| missing("errors", reason))?;
+        let cost = self.cost.as_ref().map_err(|reason| missing("times", reason))?;
+        let [least, most] = [self.trials.first(), self.trials.last()]
+            .map(|trial| trial.map(Trial::place).unwrap_or_default());
+        let changed = Setup::new(self.change.of(&setup.scene).map_err(SetupError::from)?)?;
+        let choices = Choices::new(&changed, true)?;
+        let law = Law {
+            error: Box::new(|h, k| error.error(h, k)),
+            seconds: Box::new(|h, k| cost.seconds(h, k)),
+            range: [least, choices.most()],
+            made: SPAN * most[0],
+        };
+        let choice = choices.cheapest(&law, target, limit)?;
+        Ok(Candidate { change: self.change.clone(), choice })
+    }
+
     fn json(&self) -> Value {
         fn or_reason(found: &Result<impl Serialize, impl Serialize>) -> Value {
             found.as_ref().map_or_else(|reason| json!({ "reason": reason }), |model| json!(model))
@@ -223,6 +227,22 @@ struct Candidate {
     change: Change,
     #[serde(flatten)]
     choice: Choice,
+}
+
+/// The cheapest run with each change; the first refusal if there is none at all.
+fn candidates(
+    settings: &[Setting],
+    setup: &Setup,
+    target: f64,
+    limit: &MemoryLimit,
+) -> Result<Vec<Candidate>, NoAnswer> {
+    let floors = settings[0].trials.iter().map(|trial| trial.floor);
+    NoAnswer::admit(target, floors.fold(0.0, f64::max))?;
+    let all: Vec<_> = settings.iter().map(|one| one.cheapest(setup, target, limit)).collect();
+    match all.iter().any(Result::is_ok) {
+        true => Ok(all.into_iter().flatten().collect()),
+        false => all.into_iter().collect(),
+    }
 }
 
 /// Another setting or element is the answer where it saves this part of the time at least.
