@@ -57,8 +57,9 @@ impl Reading<'_> {
 
     /// The number at a key, above 0.
     pub(crate) fn positive(&self, key: &str) -> Result<f64> {
-        self.finite(key)?;
-        self.number(key, |value| value > 0.0, ["is not positive", "give a number above 0"])
+        let value = self.finite(key)?;
+        let message = format!("`{}` = {value} is not positive", last(key));
+        self.refuse_if(value <= 0.0, key, message, "give a number above 0").map(|()| value)
     }
 
     /// The number at a key, if it fits; `fault` says what is wrong with another one.

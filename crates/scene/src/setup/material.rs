@@ -108,16 +108,18 @@ pub fn cell_regions(
                     let low = ends.clone().fold(f64::INFINITY, f64::min);
                     let high = ends.fold(f64::NEG_INFINITY, f64::max);
                     let middle = value(condition, at);
-                    let place = place();
-                    let [from, to] = [low, high].map(|value| digits(value, 5));
                     // NaN counts as cut.
                     let cut = !(low >= -ON_INTERFACE * size || high <= ON_INTERFACE * size);
-                    let message = format_args!(
-                        "on the mesh n = {n} the boundary of region `{name}` cuts the cell at ({place}), where the condition changes from {from} to {to}"
-                    );
-                    let hint = "mesh lines must follow the interface, or the coefficients jump inside cells and order 1 is lost: choose another n, or move the interface onto a mesh line";
-                    let key = format!("material.region.{index}.where");
-                    scene.refuse_if(cut || middle.is_nan(), &key, message, hint)?;
+                    if cut || middle.is_nan() {
+                        let [from, to] = [low, high].map(|value| digits(value, 5));
+                        let message = format!(
+                            "on the mesh n = {n} the boundary of region `{name}` cuts the cell at ({}), where the condition changes from {from} to {to}",
+                            place()
+                        );
+                        let hint = "mesh lines must follow the interface, or the coefficients jump inside cells and order 1 is lost: choose another n, or move the interface onto a mesh line";
+                        let key = format!("material.region.{index}.where");
+                        return Err(scene.error(&key, message, hint));
+                    }
                     (middle > 0.0, "where")
                 }
             };

@@ -41,7 +41,7 @@ impl Corner {
     /// One line: sides, angle, then each possibility with its exponent.
     pub fn in_words(&self) -> String {
         let one = |wedge: &Wedge| {
-            let [a, b] = wedge.sides.map(|side| format!("{side:?}").to_lowercase());
+            let [a, b] = wedge.sides.map(WedgeSide::name);
             match wedge.exponents().first() {
                 None => format!("{a}/{b}: no singularity below r^1"),
                 Some(s) if s.im == 0.0 => format!("{a}/{b}: r^{:.4}", s.re),
@@ -143,6 +143,17 @@ pub enum WedgeSide {
     Free,
     /// u_ν given, σ_τ = 0: locked frictionless contact, or a plane of symmetry.
     Sliding,
+}
+
+impl WedgeSide {
+    /// The word in tables.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Clamped => "clamped",
+            Self::Free => "free",
+            Self::Sliding => "sliding",
+        }
+    }
 }
 
 /// A wedge of an isotropic material in plane strain.
