@@ -35,6 +35,22 @@ fn shown(verdict: &Verdict) -> f64 {
     ratio
 }
 
+/// `affine-kink` is long, so that no gate runs it. What linearisation leaves is of the size of the error, below 1e-3 here;
+/// a memory that is 2 % too strong is seen.
+#[test]
+fn the_constant_past_a_kink_of_zeta_is_predicted() {
+    let ratio = |share: f64| {
+        let mut setup = setup("affine-kink");
+        for term in &mut setup.model.memory {
+            term.tensor = term.tensor.scaled(share);
+        }
+        let records = records(&setup, &[4], &[16, 32, 64], Norm::VMax);
+        shown(&verdicts(&Subject::Contact(Box::new(setup)), &records, Norm::VMax)[0])
+    };
+    assert!((ratio(1.0) - 1.0).abs() < 1e-3);
+    assert!((ratio(1.02) - 1.0).abs() > 1e-3);
+}
+
 /// The decision on `affine` after a change of its setup, and the ratio of the constant.
 fn affine_with(defect: impl Fn(&mut Setup), label: impl Fn(&mut CaseRecord)) -> (Verdict, f64) {
     let mut setup = setup("affine");
