@@ -18,6 +18,12 @@ pub struct Densities {
 }
 
 impl Densities {
+    /// Fields at points, as components point by point.
+    pub fn by_points(fields: &[Vec<f64>]) -> Vec<f64> {
+        let points = 0..fields.first().map_or(0, Vec::len);
+        points.flat_map(|p| fields.iter().map(move |field| field[p])).collect()
+    }
+
     /// ∫ f0·v + ∫ f2·v over the unknowns. With `flat` shape functions stand at their values in the barycentre: each cell and
     /// facet then gives all its nodes the same share, as lumping does.
     pub fn assembled(&self, space: &Discretization, flat: bool) -> Vec<f64> {

@@ -26,14 +26,14 @@ impl SimplexPoints {
     }
 
     pub(crate) fn of(mesh: &Mesh, rule: &Rule) -> Self {
-        let mut all = Self { points: Vec::new(), weights: Vec::new() };
-        for c in 0..mesh.cell_count() {
-            let cell = mesh.cell(c);
+        let weights = |c| {
             let measure = measure(mesh, c);
-            all.points.extend(rule.points.iter().map(|b| mesh.point(cell, b)));
-            all.weights.extend(rule.weights.iter().map(|weight| weight * measure));
+            rule.weights.iter().map(move |weight| weight * measure)
+        };
+        Self {
+            points: mesh.points_of(&mesh.cells(), &rule.points),
+            weights: (0..mesh.cell_count()).flat_map(weights).collect(),
         }
-        all
     }
 }
 

@@ -130,6 +130,17 @@ impl Mesh {
         x
     }
 
+    /// The places of the same barycentric coordinates in some simplices, one simplex after another.
+    pub fn points_of(&self, simplices: &[&[u32]], coordinates: &[Vec<f64>]) -> Vec<[f64; 3]> {
+        let of = |simplex| coordinates.iter().map(move |b| self.point(simplex, b));
+        simplices.iter().copied().flat_map(of).collect()
+    }
+
+    /// The vertices of each cell.
+    pub fn cells(&self) -> Vec<&[u32]> {
+        (0..self.cell_count()).map(|c| self.cell(c)).collect()
+    }
+
     /// Length of an edge or area of a triangle with these corners.
     pub fn measure_of(&self, corners: &[u32]) -> f64 {
         let places = corners.iter().map(|&v| self.point(&[v], &[1.0]));

@@ -160,16 +160,12 @@ impl Given<'_> {
     fn sums(&self, rules: &[Rule; 2], t: f64) -> Sums {
         let mesh = &self.space.mesh;
         let at = |formulas: &[Node], simplices: &[&[u32]], rule: &Rule| -> Vec<f64> {
-            let points =
-                |corners: &&[u32]| rule.points.iter().map(|b| mesh.point(corners, b)).collect();
-            let points: Vec<[f64; 3]> = simplices.iter().flat_map::<Vec<_>, _>(points).collect();
+            let points = mesh.points_of(simplices, &rule.points);
             let horizon = self.scene.time.horizon;
             let program = Program::compile(&self.scene.formulas, formulas, horizon);
-            let fields = program.values(&points, t, 0.0);
-            (0..points.len()).flat_map(|p| fields.iter().map(move |field| field[p])).collect()
+            Densities::by_points(&program.values(&points, t, 0.0))
         };
-        let cells: Vec<&[u32]> = (0..mesh.cell_count()).map(|c| mesh.cell(c)).collect();
-        let body = at(self.body, &cells, &rules[0]);
+        let body = at(self.body, &mesh.cells(), &rules[0]);
         let count = mesh.dimension * rules[1].weights.len();
         let mut traction = vec![0.0; count * mesh.facet_side.len()];
         for (side, formulas) in self.traction {

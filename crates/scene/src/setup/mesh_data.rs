@@ -2,17 +2,16 @@
 
 use super::{Result, Setup, SetupError, elasticity, load_check};
 use crate::{Data, LoadForm, Side};
-use algebra::linalg::dot;
 use exact::{ByTime, Exact, ExactOnMesh, InterpolatedOnMesh, Truth};
 use fem::contact::{
-    CaseError, CaseInfo, Discretization, Floors, LevelFields, Load, LoadError, Observer, StepView,
-    facet_measure, march, strain_norm,
+    CaseError, CaseInfo, Discretization, Floors, ForceAtPoints, LevelFields, Load, LoadError,
+    Observer, StepView, march, strain_norm,
 };
 use fem::norms::{
     ElasticProjection, Moments, ReferenceError, ReferenceRun, Refinement, Trajectory,
 };
 use fem::space::StrainPoint;
-use fem::space::quadrature::{Rule, TruthRules};
+use fem::space::quadrature::TruthRules;
 use formula::{BoundProgram, Graph, Node, Program};
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
@@ -281,18 +280,11 @@ impl GivenLoad {
         space: &Discretization,
         rules: &TruthRules,
     ) -> Self {
-        let mesh = &space.mesh;
-        let cell = |c| (mesh.cell(c), space.geometry.measure[c], space.cell_nodes(c).to_vec());
-        let node = |&vertex: &u32| space.nodes.of_vertex[vertex as usize];
-        let facet = |f| {
-            let nodes = space.nodes.on_facet(f).iter().map(node).collect();
-            (mesh.facet(f), facet_measure(mesh, f), nodes)
-        };
-        let inside =
-            Term::new((graph, horizon), body, space, &rules.load, (0..mesh.cell_count()).map(cell));
+        let of_formulas = (graph, horizon);
+        let inside = Term::new(of_formulas, body, || ForceAtPoints::in_cells(space, &rules.load));
         let outside = traction.iter().map(|(side, formulas)| {
-            let facets = mesh.facets_on(std::slice::from_ref(&side.0)).map(facet);
-            Term::new((graph, horizon), formulas, space, &rules.traction, facets)
+            let on_side = || ForceAtPoints::on_side(space, &rules.traction, side.0);
+            Term::new(of_formulas, formulas, on_side)
         });
         Self(std::iter::once(inside).chain(outside).flatten().collect())
     }
@@ -313,59 +305,35 @@ impl GivenLoad {
 
 /// ∫ f·v over a part of the body or its boundary, of the components of f that are not zero.
 struct Term {
-    dimension: usize,
     components: Vec<usize>,
     /// f at the points of the rule.
     bound: Mutex<BoundProgram>,
-    /// Of each shape function its values at the points of the rule, times their weights.
-    shapes: Vec<Vec<f64>>,
-    /// Of each simplex in turn.
-    measures: Vec<f64>,
-    nodes: Vec<u32>,
+    integral: ForceAtPoints,
 }
 
 impl Term {
-    /// The term on simplices with their corners, measures and nodes; None if f is zero.
-    fn new<'a>(
+    /// None if f is zero.
+    fn new(
         (graph, horizon): (&Graph, f64),
         formulas: &[Node],
-        space: &'a Discretization,
-        rule: &Rule,
-        simplices: impl Iterator<Item = (&'a [u32], f64, Vec<u32>)>,
+        place: impl FnOnce() -> (ForceAtPoints, Vec<[f64; 3]>),
     ) -> Option<Self> {
-        let dimension = space.mesh.dimension;
         let is_zero = |i: &usize| graph.value_of_constant(formulas[*i]) == Some(0.0);
         let components: Vec<usize> = (0..formulas.len()).filter(|i| !is_zero(i)).collect();
         if components.is_empty() {
             return None;
         }
-        let values: Vec<_> = rule.points.iter().map(|b| space.element.values(b)).collect();
-        let of_points =
-            |a: usize| values.iter().zip(&rule.weights).map(|(v, w)| w * v[a]).collect();
-        let shapes = (0..values[0].len()).map(of_points).collect();
-        let (mut points, mut measures, mut nodes) = (Vec::new(), Vec::new(), Vec::new());
-        for (corners, measure, of_simplex) in simplices {
-            points.extend(rule.points.iter().map(|b| space.mesh.point(corners, b)));
-            measures.push(measure);
-            nodes.extend(of_simplex);
-        }
+        let (integral, points) = place();
         let nonzero: Vec<Node> = components.iter().map(|&i| formulas[i]).collect();
         let bound = Mutex::new(Program::compile(graph, &nonzero, horizon).bind(&points));
-        Some(Self { dimension, components, bound, shapes, measures, nodes })
+        Some(Self { components, bound, integral })
     }
 
     /// Adds the integral at time t to a nodal vector.
     fn add_to(&self, t: f64, force: &mut [f64]) {
         let values = self.bound.lock().unwrap_or_else(PoisonError::into_inner).values_at(t, 0.0);
-        for (component, values) in self.components.iter().zip(&values) {
-            let nodes = self.nodes.chunks_exact(self.shapes.len());
-            let of_simplices = nodes.zip(values.chunks_exact(self.shapes[0].len()));
-            for (measure, (nodes, values)) in self.measures.iter().zip(of_simplices) {
-                for (shape, &node) in self.shapes.iter().zip(nodes) {
-                    force[self.dimension * node as usize + component] +=
-                        measure * dot(shape, values);
-                }
-            }
+        for (&component, values) in self.components.iter().zip(&values) {
+            self.integral.add(component, values, force);
         }
     }
 }

@@ -228,7 +228,8 @@ fn model(scene: &Scene, body: &ContactScene) -> Model {
         friction: body.friction().map(|written| laws::friction(written, &formulas)),
         elasticity: elasticity(material),
         memory: material::memory_terms(material, &formulas),
-        projection: projection(scene, body).map(AnyProjection::new),
+        projection: projection(scene, body)
+            .map(|VonMises { mu, limit }| AnyProjection::von_mises(mu, Box::new(limit))),
         boundary: body.contact.iter().filter(|_| touches).map(boundary).collect(),
         time_rule: scene.time.rule.weights(),
     }

@@ -78,9 +78,7 @@ impl Densities {
     pub(super) fn new(setup: &Setup, space: &Discretization, edges: &Edges) -> Result<Self> {
         let (inside, outside) = (triangle_degree_8(), edge(ON_EDGES));
         let mesh = &space.mesh;
-        let cells = (0..mesh.cell_count()).map(|c| mesh.cell(c));
-        let points: Vec<[f64; 3]> =
-            cells.flat_map(|cell| inside.points.iter().map(|b| mesh.point(cell, b))).collect();
+        let points = mesh.points_of(&mesh.cells(), &inside.points);
         let mut sides = Vec::new();
         let mut add = |numbers: &[u32], program: &dyn Fn(u32, &[f64]) -> Program| {
             let facets: Vec<u32> = mesh.facets_on(numbers).map(|f| f as u32).collect();
@@ -89,10 +87,9 @@ impl Densities {
                 let members = part.members.iter().map(|&at| facets[at]);
                 let on_part: Vec<(u32, [u32; 2])> =
                     members.filter_map(|f| edges.on_facet(f as usize)).collect();
-                let places = on_part
-                    .iter()
-                    .flat_map(|(_, ends)| outside.points.iter().map(|b| mesh.point(ends, b)));
-                let traction = program(part.side, &normal).bind(&places.collect::<Vec<_>>());
+                let ends: Vec<&[u32]> = on_part.iter().map(|(_, ends)| &ends[..]).collect();
+                let places = mesh.points_of(&ends, &outside.points);
+                let traction = program(part.side, &normal).bind(&places);
                 sides.push(Side { edges: on_part, traction });
             }
         };

@@ -324,9 +324,7 @@ impl Strains {
     /// Binds the formulas.
     pub(super) fn new(exact: &Arc<Exact>, space: &Discretization) -> Self {
         let (rule, mesh) = (triangle_degree_8(), &space.mesh);
-        let cells = (0..mesh.cell_count()).map(|c| mesh.cell(c));
-        let points: Vec<[f64; 3]> =
-            cells.flat_map(|cell| rule.points.iter().map(|b| mesh.point(cell, b))).collect();
+        let points = mesh.points_of(&mesh.cells(), &rule.points);
         Self { rule, fields: exact.interior.bind(&points) }
     }
 

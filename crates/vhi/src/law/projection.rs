@@ -20,6 +20,16 @@ pub trait YieldLimit: Send + Sync {
     fn slope(&self, zeta: f64) -> f64;
 }
 
+impl YieldLimit for Box<dyn YieldLimit> {
+    fn value(&self, zeta: f64) -> f64 {
+        (**self).value(zeta)
+    }
+
+    fn slope(&self, zeta: f64) -> f64 {
+        (**self).slope(zeta)
+    }
+}
+
 /// The extra stress of strains beyond the yield limit.
 pub trait Projection: Send + Sync {
     /// The stress at `strain` for the limit `kappa`; None below the limit, where it vanishes.
@@ -38,6 +48,11 @@ pub struct AnyProjection(Box<dyn InPlaneAndSpace>);
 impl AnyProjection {
     pub fn new(projection: impl Projection + 'static) -> Self {
         Self(Box::new(projection))
+    }
+
+    /// Onto the von Mises ball, compiled here: a crate that is built for speed.
+    pub fn von_mises(mu: f64, limit: Box<dyn YieldLimit>) -> Self {
+        Self::new(VonMises { mu, limit })
     }
 }
 
