@@ -2,8 +2,8 @@
 
 pub mod external;
 mod front;
-pub mod leading_error;
 pub mod merge;
 pub mod sweep;
 
+pub use ::leading_error;
 pub use front::{FrontError, Sweep, Swept, plan_for};

@@ -1,11 +1,11 @@
 //! One case: march, errors at every step, their maxima over time.
 
 use super::plan::CasePlan;
-use crate::leading_error::TIME_REFERENCE;
 use algebra::linalg::larger;
 use fem::contact::{CaseError, CaseInfo, Floors, LoadError, StepView, strain_distance};
 use fem::norms::{ContactState, ElasticProjection, StepErrors, state_errors, step_errors};
 use judge::record::{CaseRecord, NormError, Status};
+use leading_error::TIME_REFERENCE;
 use scene::setup::{AbstractLoad, AbstractRun, AbstractSetup, MeshData, Setup};
 use scene::{Norm, Reference};
 use std::collections::BTreeMap;

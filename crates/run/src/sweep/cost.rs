@@ -2,10 +2,10 @@
 //! decide what runs in parallel and what is refused. Unknowns times steps decide the order of cases.
 
 use super::plan::CasePlan;
-use crate::leading_error::TIME_REFERENCE;
 use fem::contact::{Discretization, Plan};
 use fem::space::quadrature::TruthRules;
 use formula::Program;
+use leading_error::TIME_REFERENCE;
 use scene::setup::{AbstractSetup, Setup, SetupError};
 use scene::{Data, LoadForm, Norm, Reference};
 use std::collections::{BTreeMap, BTreeSet};

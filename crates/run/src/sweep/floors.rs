@@ -11,10 +11,10 @@ use super::case::{
 };
 use super::cost::Cost;
 use super::plan::CasePlan;
-use crate::leading_error::TIME_REFERENCE;
 use fem::contact::{CaseError, CaseInfo, Floors, LevelFields, LoadError, strain_distance};
 use fem::norms::step_errors;
 use fem::space::quadrature::TruthRules;
+use leading_error::TIME_REFERENCE;
 use scene::setup::{AbstractLoad, AbstractSetup, MeshData, Setup, SetupError, reference_run};
 use scene::{Norm, Reference};
 use serde::Serialize;

@@ -1,13 +1,13 @@
 //! From a scene's predictions to verdicts on records.
 
 use super::plan::{CasePlan, ScenePlan};
-use crate::leading_error::{Case, InTime, NoConstant, leading_errors, other_error};
 use judge::fit::{AgainstReference, against_reference};
 use judge::record::{CaseRecord, Key, Status, V_MAX};
 use judge::verdict;
 use judge::verdict::{
     Decision, FloorSource, Foreseen, ForeseenConstant, LeadingLine, MeshAndSteps, Verdict,
 };
+use leading_error::{Case, InTime, NoConstant, leading_errors, other_error};
 use scene::setup::Subject;
 use scene::{Data, Hypothesis, LoadForm, Prediction, Scene, Time, TimeGrid};
 

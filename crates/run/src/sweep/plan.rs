@@ -3,9 +3,9 @@
 use super::admission::least_bytes_of_mesh;
 use super::cost::{PlanCost, abstract_costs, contact_costs};
 use super::floors::{FloorRow, abstract_floors, contact_floors, direct_history};
-use crate::leading_error::TIME_REFERENCE;
 use judge::record::{CaseRecord, Key, NormError, Status};
 use judge::verdict::{ComparedRun, MeshAndSteps};
+use leading_error::TIME_REFERENCE;
 use scene::setup::{Setup, SetupError, StepRemark, Subject, check_step_sizes};
 use scene::{Body, Norm, Prediction, Reference, Scene, SceneError};
 use std::panic::{AssertUnwindSafe, catch_unwind};

@@ -3,8 +3,6 @@
 use super::NoConstant;
 use algebra::linalg::axpy;
 use fem::contact::Discretization;
-use fem::mesh::Mesh;
-use fem::space::quadrature::Rule;
 use formula::{BoundProgram, Graph, Node, Program, Variable};
 use scene::{Time, TimeGrid, TimeRule};
 use vhi::history::TimeGrid as Steps;
@@ -213,13 +211,6 @@ fn by_power(a: f64, times: &[f64], n: usize, j: usize) -> f64 {
     let after = if j < n { slope(j) } else { 0.0 };
     let before = if j > 0 { slope(j - 1) } else { -lag(0).powf(1.0 - a) / (1.0 - a) };
     after - before
-}
-
-/// The points of a rule, cell by cell.
-pub(super) fn points_of_cells(mesh: &Mesh, rule: &Rule) -> Vec<[f64; 3]> {
-    (0..mesh.cell_count())
-        .flat_map(|c| rule.points.iter().map(move |b| mesh.point(mesh.cell(c), b)))
-        .collect()
 }
 
 /// A field at the nodes as a nodal vector.

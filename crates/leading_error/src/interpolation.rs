@@ -2,7 +2,7 @@
 
 use super::NoConstant;
 use super::cells::square_apart;
-use super::sums::{largest_step, nodal, points_of_cells, times};
+use super::sums::{largest_step, nodal, times};
 use algebra::in_dimension;
 use exact::constitutive::{Tensor, full, stress};
 use exact::{ComplianceRule, Exact, InterpolatedOnMesh, NodalStrain};
@@ -53,7 +53,7 @@ impl InterpolationError {
         let (exact, space) = (exact.clone(), space.clone());
         let (graph, horizon) = (&exact.data.graph, exact.data.horizon);
         let rule = space.element.square_rule(space.mesh.dimension + 1);
-        let points = points_of_cells(&space.mesh, &rule);
+        let points = space.mesh.points_of(&space.mesh.cells(), &rule.points);
         let fields = match of_stress {
             true => exact.interior.bind(&points),
             false => Program::compile(graph, &exact.strain, horizon).bind(&points),

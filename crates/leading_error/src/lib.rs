@@ -42,7 +42,7 @@ use scene::{Direction, Norm, Prediction};
 use sums::{largest_step, times};
 
 /// Steps of the reference run for time errors, as a multiple of the case's.
-pub(crate) const TIME_REFERENCE: u32 = 8;
+pub const TIME_REFERENCE: u32 = 8;
 /// The linearisation error is the size of the error over that of the solution: 1e-5 on the finest steps of the shipped
 /// scenes, with a safety factor 10. If a contact state changes within the error the share does not fall with k, and the
 /// scene has to state it.
