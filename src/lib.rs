@@ -44,9 +44,10 @@
 //! | `judge` | `files` | [`record`]: what one case produced, the waist between computing and judging; [`fit`]: orders with intervals; [`verdict`]: predictions judged |
 //! | `report` | `judge`, `files` | [`report`]: pictures, page, PDF, LaTeX, JUnit |
 //! | `scene` | all above but `judge` and `report` | [`scene`]: scene files, as written and as validated; [`setup`]: a scene made computable, constants and hypotheses |
+//! | `guarantee` | all above but `judge` and `report` | [`studies::guarantee`]: a guaranteed bound of the error in space |
 //! | `leading_error` | all above but the solver's laws, assembly and march | [`run::leading_error`]: the error of a sound scheme to leading order, from the exact solution alone |
 //! | `run` | all above | [`run::external`]: a solver in another program as a scheme; [`run::sweep`]: cases, threads, records, resume; [`run::merge`]: a sweep in many processes |
-//! | `studies` | all above | [`studies::solution`]: named quantities and VTU files of a case; [`studies::trade`]: speed against accuracy; [`studies::theory`]: the theorems' constants, bounds and inequalities as runs; [`studies::diagnose`]: variants of a scene that name the term at fault; [`studies::extremes`]: ladders of one parameter each; [`studies::guarantee`]: a guaranteed bound of the error in space |
+//! | `studies` | all above | [`studies::solution`]: named quantities and VTU files of a case; [`studies::trade`]: speed against accuracy; [`studies::theory`]: the theorems' constants, bounds and inequalities as runs; [`studies::diagnose`]: variants of a scene that name the term at fault; [`studies::extremes`]: ladders of one parameter each |
 //! | `gronwall` | all | [`cli`]: the commands |
 #![doc = include_str!("../docs/LIBRARY.md")]
 

@@ -12,7 +12,7 @@ use crate::program::files_below;
 
 /// What each crate may know, and the order of its modules: each imports those before it. The compiler sees to it that no
 /// crate names another; this table, that nobody adds one to a Cargo.toml in passing.
-const HOUSE: [(&str, &[&str], &[&str]); 13] = [
+const HOUSE: [(&str, &[&str], &[&str]); 14] = [
     ("files", &[], &[]),
     ("algebra", &[], &["tensor", "linalg"]),
     ("formula", &[], &[]),
@@ -23,6 +23,7 @@ const HOUSE: [(&str, &[&str], &[&str]); 13] = [
     ("fit", &["files"], &[]),
     ("judge", &["files", "fit"], &["record", "table", "verdict"]),
     ("scene", &["algebra", "exact", "fem", "files", "formula", "judge", "vhi"], &["setup"]),
+    ("guarantee", &["algebra", "exact", "fem", "formula", "scene", "vhi"], &[]),
     ("leading_error", &["algebra", "exact", "fem", "formula", "judge", "scene", "vhi"], &[]),
     (
         "run",
@@ -32,8 +33,20 @@ const HOUSE: [(&str, &[&str], &[&str]); 13] = [
     ("report", &["files", "judge"], &[]),
     (
         "studies",
-        &["algebra", "exact", "fem", "files", "formula", "judge", "report", "run", "scene", "vhi"],
-        &["guarantee", "portrait", "solution", "trade", "theory", "diagnose", "extremes"],
+        &[
+            "algebra",
+            "exact",
+            "fem",
+            "files",
+            "formula",
+            "guarantee",
+            "judge",
+            "report",
+            "run",
+            "scene",
+            "vhi",
+        ],
+        &["portrait", "solution", "trade", "theory", "diagnose", "extremes"],
     ),
 ];
 

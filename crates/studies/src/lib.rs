@@ -2,9 +2,10 @@
 
 pub mod diagnose;
 pub mod extremes;
-pub mod guarantee;
 pub mod portrait;
 pub mod solution;
 pub mod study;
 pub mod theory;
 pub mod trade;
+
+pub use ::guarantee;

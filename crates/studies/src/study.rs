@@ -4,6 +4,7 @@ use std::fmt::Display;
 
 use algebra::linalg::{EigenError, FactorError};
 use fem::contact::{CaseError, LoadError};
+use guarantee::GuaranteeError;
 use report::Findings;
 use run::sweep::{MemoryLimit, Refused};
 use scene::setup::SetupError;
@@ -59,9 +60,8 @@ pub enum StudyError {
     /// No such bound: no history, or a constant that is not known, not finite or not positive.
     #[error("scene `{scene}`{why}")]
     Unbounded { scene: String, why: String },
-    /// A scene that the theorem of the guaranteed bound does not cover, or a bound that is infinite.
-    #[error("no guaranteed bound: {0}")]
-    NoBound(String),
+    #[error(transparent)]
+    Guarantee(#[from] GuaranteeError),
     #[error("a run: {0}")]
     Case(#[from] CaseError),
     #[error("a run: {0}")]
@@ -84,10 +84,6 @@ pub type Result<T, E = StudyError> = std::result::Result<T, E>;
 impl StudyError {
     pub fn other(error: impl Display) -> Self {
         Self::Other(error.to_string())
-    }
-
-    pub(crate) fn no_bound(reason: impl Into<String>) -> Self {
-        Self::NoBound(reason.into())
     }
 
     /// An error with where it is.

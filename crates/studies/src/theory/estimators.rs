@@ -6,13 +6,13 @@
 //! an order that is off by at most 1/2. Efficient: the quotient of bound (estimate) and error does not grow under refinement,
 //! its order in the step is at least 0. That of error over estimate is likewise, so that the estimate does not fall behind.
 
-use crate::guarantee::BoundedLevel;
 use crate::study::{Asked, StudyError};
 use crate::trade::SPAN;
 use crate::trade::estimate::{companion_runs, companions, norm_estimate};
 use algebra::linalg::larger;
 use fem::contact::{Discretization, LoadError, StepView};
 use fem::norms::step_errors;
+use guarantee::BoundedLevel;
 use judge::Order;
 use judge::claim::{Claim, Place, Relation, Statement};
 use judge::fit::{Decision, Interval};

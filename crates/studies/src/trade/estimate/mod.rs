@@ -16,11 +16,11 @@ use std::collections::BTreeMap;
 
 use super::SPAN;
 use super::bench::Meshed;
-use crate::guarantee::{self, Bounding, Guarantee};
 use crate::solution::FinalState;
 use crate::study::StudyError;
 use fem::contact::{CaseError, Discretization, Floors, LevelFields, LoadError, Observer, StepView};
 use fem::norms::{ReferenceError, ReferenceRun, step_errors};
+use guarantee::{Bounding, Guarantee, GuaranteeError};
 use judge::fit::{FLOORS_ABOVE, Interval, Triple, ValueSample};
 use run::sweep::{NORMS, Runs, as_floors, floor_in};
 use scene::setup::{Setup, SetupError};
@@ -304,7 +304,7 @@ pub fn companions(
         Ok(())
     })?;
     let bound = match bounding.and_then(Bounding::finish) {
-        Err(StudyError::NoBound(reason)) => Err(reason),
+        Err(GuaranteeError::NoBound(reason)) => Err(reason),
         found => Ok(found?),
     };
     drop(mesh);

@@ -21,6 +21,7 @@
 
 mod densities;
 mod equilibrium;
+mod error;
 #[cfg(test)]
 mod tests;
 
@@ -28,7 +29,8 @@ use std::sync::Arc;
 
 use self::densities::Densities;
 use self::equilibrium::{Equilibrium, Stress, Triangle};
-use crate::study::{Result, StudyError};
+pub use self::error::GuaranteeError;
+use self::error::Result;
 use algebra::linalg::larger;
 use algebra::tensor::contract;
 use exact::{Exact, Status, check};
@@ -115,12 +117,12 @@ pub struct Bounding<'a> {
     /// What the stress in equilibrium is to be near to.
     of_cell: OfCell,
     found: Vec<BoundedLevel>,
-    failed: Option<StudyError>,
+    failed: Option<GuaranteeError>,
 }
 
 /// Bytes beside those of the run, by measurements on meshes of n = 32 to 128: the factor, whose entries a cell grow as the
 /// logarithm of their number, and formulas of an exact solution at 16 points a cell. None where there is no bound.
-pub(crate) fn bytes(setup: &Setup, space: &Discretization) -> f64 {
+pub fn bytes(setup: &Setup, space: &Discretization) -> f64 {
     if covered(setup).is_err() {
         return 0.0;
     }
@@ -148,7 +150,7 @@ fn covered(setup: &Setup) -> Result<()> {
         (falls, "the law on Γ3 falls somewhere, so the problem is not convex"),
     ];
     let reason = beyond.into_iter().find_map(|(is, reason)| is.then_some(reason));
-    reason.map_or(Ok(()), |reason| Err(StudyError::no_bound(reason)))
+    reason.map_or(Ok(()), |reason| Err(GuaranteeError::no_bound(reason)))
 }
 
 /// f0 and the tractions of an exact solution are all of its load: a stress that jumps inside the body has a part of it on a
@@ -158,7 +160,7 @@ fn has_densities(setup: &Setup) -> Result<()> {
     let mut findings = check(exact, &sides(&setup.body)).into_iter();
     let of_loads = |subject: &str| ["loads", "stress jump"].contains(&subject);
     let other = findings.find(|found| of_loads(&found.subject) && found.status != Status::Verified);
-    other.map_or(Ok(()), |finding| Err(StudyError::no_bound(finding.text)))
+    other.map_or(Ok(()), |finding| Err(GuaranteeError::no_bound(finding.text)))
 }
 
 /// A stress on one cell.
@@ -264,7 +266,7 @@ impl<'a> Bounding<'a> {
         let last = weights.last().copied().unwrap_or(0.0);
         let t = self.grid.time(n);
         if last.is_nan() || last >= 1.0 {
-            return Err(StudyError::no_bound(format!(
+            return Err(GuaranteeError::no_bound(format!(
                 "the memory of the step that ends at t = {t} has the weight {last:.2}, which must be below 1: take smaller steps"
             )));
         }
@@ -274,7 +276,7 @@ impl<'a> Bounding<'a> {
         let keep = 1.0 - last;
         let bound = (linear + (linear * linear + 4.0 * keep * gap).sqrt()) / (2.0 * keep);
         if !bound.is_finite() {
-            return Err(StudyError::no_bound(format!(
+            return Err(GuaranteeError::no_bound(format!(
                 "at t = {t} the computed u_ν exceeds the gap between nodes, or the law never has the computed pressure"
             )));
         }
@@ -283,10 +285,12 @@ impl<'a> Bounding<'a> {
 }
 
 /// Why equilibrium is not found, with what may be the cause of it.
-fn unbalanced(what: String, elasticity: &TensorField) -> StudyError {
+fn unbalanced(what: String, elasticity: &TensorField) -> GuaranteeError {
     let (least, largest) = elasticity.eigenvalues(2);
     let ratio = largest / least;
-    StudyError::no_bound(format!("{what}; the largest stiffness is {ratio:.1e} times the least"))
+    GuaranteeError::no_bound(format!(
+        "{what}; the largest stiffness is {ratio:.1e} times the least"
+    ))
 }
 
 /// (𝒜ε(v), ε(v))^{1/2} of a nodal vector.
@@ -301,7 +305,7 @@ fn energy_norm(space: &Discretization, elasticity: &TensorField, v: &[f64]) -> f
 // β_nj = |W_nj| ‖𝒜^{-1/2} ℬ 𝒜^{-1/2}‖: what the errors of earlier levels are to that of level n.
 
 /// β_nj, j = 0, …, n; zeros without memory.
-pub(super) fn weights(model: &Model, grid: &TimeGrid, n: usize) -> Vec<f64> {
+fn weights(model: &Model, grid: &TimeGrid, n: usize) -> Vec<f64> {
     let weight = |j: usize| {
         let of = |kernel: &dyn MemoryKernel| {
             model.time_rule.kernel_weight(&Convolution(kernel), grid, n, j)
@@ -315,21 +319,21 @@ pub(super) fn weights(model: &Model, grid: &TimeGrid, n: usize) -> Vec<f64> {
 // The distance of a run to the exact solution in the energy norm, by a rule that is not the assembly's.
 
 /// ε of the exact solution at the points of a mesh.
-pub(super) struct Strains {
+struct Strains {
     rule: Rule,
     fields: BoundProgram,
 }
 
 impl Strains {
     /// Binds the formulas.
-    pub(super) fn new(exact: &Arc<Exact>, space: &Discretization) -> Self {
+    fn new(exact: &Arc<Exact>, space: &Discretization) -> Self {
         let (rule, mesh) = (triangle_degree_8(), &space.mesh);
         let points = mesh.points_of(&mesh.cells(), &rule.points);
         Self { rule, fields: exact.interior.bind(&points) }
     }
 
     /// (𝒜ε(u - u^h), ε(u - u^h))^{1/2} at t.
-    pub(super) fn distance(
+    fn distance(
         &mut self,
         space: &Discretization,
         elasticity: &TensorField,

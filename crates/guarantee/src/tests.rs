@@ -48,7 +48,7 @@ fn the_bound_holds_on_every_scene_and_level() {
         let name = &setup.scene.name;
         let found = match guarantee(&setup, n, steps) {
             Ok(found) => found,
-            Err(StudyError::NoBound(_)) => continue,
+            Err(GuaranteeError::NoBound(_)) => continue,
             Err(error) => panic!("{name}: {error}"),
         };
         scenes += 1;

@@ -2,7 +2,7 @@
 //! manufactured solution adds to the contact pressure.
 
 use super::equilibrium::{Edges, Equilibrium, Given, Linear};
-use crate::study::{Result, StudyError};
+use super::error::{GuaranteeError, Result};
 use fem::contact::{Discretization, Model, StepView};
 use fem::space::quadrature::{Rule, edge, gauss_legendre, triangle_degree_8};
 use formula::{BoundProgram, Graph, Node, Program};
@@ -74,7 +74,7 @@ impl Densities {
     /// Binds the formulas of the scene.
     ///
     /// # Errors
-    /// [`StudyError::NoBound`] for loads that have no density.
+    /// [`GuaranteeError::NoBound`] for loads that have no density.
     pub(super) fn new(setup: &Setup, space: &Discretization, edges: &Edges) -> Result<Self> {
         let (inside, outside) = (triangle_degree_8(), edge(ON_EDGES));
         let mesh = &space.mesh;
@@ -105,7 +105,7 @@ impl Densities {
                 compile(graph.clone(), body).bind(&points)
             }
             (Data::Exact { interpolated: true, .. }, _) | (_, None) => {
-                return Err(StudyError::no_bound(
+                return Err(GuaranteeError::no_bound(
                     "the loads are those of an interpolant on each mesh and have no density",
                 ));
             }
@@ -167,10 +167,7 @@ fn finite(program: &mut BoundProgram, t: f64, what: &'static str) -> Result<Vec<
     let values = program.values_at(t, 0.0);
     match values.iter().flatten().all(|value| value.is_finite()) {
         true => Ok(values),
-        false => {
-            let what = format!("no guaranteed bound: {what} is not finite at t = {t}");
-            Err(StudyError::Other(what))
-        }
+        false => Err(GuaranteeError::NotFinite { what, t }),
     }
 }
 
