@@ -27,12 +27,12 @@ test-long: ## what `make test` leaves out: damaged texts, seeded defects, all sc
 
 lint: ## formatting, clippy and rustdoc, every warning an error
 	$(CARGO) fmt --all --check
-	$(CARGO) clippy --release --workspace --all-targets -- -D warnings
+	$(CARGO) clippy --release --workspace --all-targets --features gronwall/benchmarks -- -D warnings
 	$(CARGO) clippy --release --workspace --test '*' -- -D warnings
 	RUSTDOCFLAGS=-Dwarnings $(CARGO) doc --release $(MEMBERS) --no-deps
 
 bench: ## all benchmarks (see benches/README.md); BENCH=... goes to criterion
-	$(CARGO) bench --bench '*' -- $(BENCH)
+	$(CARGO) bench --features benchmarks --bench '*' -- $(BENCH)
 
 COMPARE := target/compare
 compare: ## scikit-fem beside this program on the punch scenes, in one run; CASES="punch:64:64 ..." for others
