@@ -17,13 +17,13 @@ pub struct Densities {
     pub traction: Vec<f64>,
 }
 
-impl Densities {
-    /// Fields at points, as components point by point.
-    pub fn by_points(fields: &[Vec<f64>]) -> Vec<f64> {
-        let points = 0..fields.first().map_or(0, Vec::len);
-        points.flat_map(|p| fields.iter().map(move |field| field[p])).collect()
-    }
+/// The components of a vector field, each at all points, as one list: point by point, in it component by component.
+pub fn point_by_point(components: &[Vec<f64>]) -> Vec<f64> {
+    let points = 0..components.first().map_or(0, Vec::len);
+    points.flat_map(|p| components.iter().map(move |values| values[p])).collect()
+}
 
+impl Densities {
     /// ∫ f0·v + ∫ f2·v over the unknowns. With `flat` shape functions stand at their values in the barycentre: each cell and
     /// facet then gives all its nodes the same share, as lumping does.
     pub fn assembled(&self, space: &Discretization, flat: bool) -> Vec<f64> {

@@ -203,9 +203,7 @@ impl Exact {
             return vec![0; mesh.cell_count()];
         }
         let centroid = vec![1.0 / (mesh.dimension + 1) as f64; mesh.dimension + 1];
-        let points: Vec<[f64; 3]> =
-            (0..mesh.cell_count()).map(|c| mesh.point(mesh.cell(c), &centroid)).collect();
-        self.regions_at(&points)
+        self.regions_at(&mesh.points_of(&mesh.cells(), &[centroid]))
     }
 
     /// ε and, into `memory`, the histories H_i; `field` gives the outputs of [`Self::interior`] by number.

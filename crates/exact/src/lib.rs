@@ -48,7 +48,7 @@ pub use check::{
     BodyFace, Finding, Status, check, regularity_in_space, regularity_in_time, second_difference,
 };
 pub use curve::CurveNumbers;
-pub use densities::Densities;
+pub use densities::{Densities, point_by_point};
 pub use edge_compliance::ComplianceRule;
 pub use exact::{
     BoundaryFormulas, ContactFormulas, Exact, ExactData, LawNumbers, LoadForm, MaterialNumbers,

@@ -2,10 +2,10 @@
 
 use super::NoConstant;
 use super::cells::square_apart;
-use super::sums::{largest_step, nodal, times};
+use super::sums::{largest_step, times};
 use algebra::in_dimension;
 use exact::constitutive::{Tensor, full, stress};
-use exact::{ComplianceRule, Exact, InterpolatedOnMesh, NodalStrain};
+use exact::{ComplianceRule, Exact, InterpolatedOnMesh, NodalStrain, point_by_point};
 use fem::contact::{Discretization, LoadError};
 use fem::space::Element;
 use fem::space::quadrature::Rule;
@@ -80,7 +80,7 @@ impl InterpolationError {
 
     fn at_in<const D: usize>(&mut self, t: f64) -> Result<f64, LoadError> {
         let (u, histories) = match &self.of_stress {
-            None => (nodal(&mut self.nodal, &self.space, t), Vec::new()),
+            None => (point_by_point(&self.nodal.values_at(t, 0.0)), Vec::new()),
             Some((interpolant, _)) => interpolant.displacements(t)?,
         };
         let fields = self.fields.values_at(t, 0.0);

@@ -2,8 +2,7 @@
 
 use super::NoConstant;
 use algebra::linalg::axpy;
-use fem::contact::Discretization;
-use formula::{BoundProgram, Graph, Node, Program, Variable};
+use formula::{Graph, Node, Program, Variable};
 use scene::{Time, TimeGrid, TimeRule};
 use vhi::history::TimeGrid as Steps;
 
@@ -211,18 +210,6 @@ fn by_power(a: f64, times: &[f64], n: usize, j: usize) -> f64 {
     let after = if j < n { slope(j) } else { 0.0 };
     let before = if j > 0 { slope(j - 1) } else { -lag(0).powf(1.0 - a) / (1.0 - a) };
     after - before
-}
-
-/// A field at the nodes as a nodal vector.
-pub(super) fn nodal(bound: &mut BoundProgram, space: &Discretization, t: f64) -> Vec<f64> {
-    let d = space.mesh.dimension;
-    let mut fields = vec![Vec::new(); d];
-    bound.evaluate(t, 0.0, &mut fields);
-    let mut all = vec![0.0; space.nodes.len()];
-    for (i, field) in fields.iter().enumerate() {
-        all[i..].iter_mut().step_by(d).zip(field).for_each(|(at, value)| *at = *value);
-    }
-    all
 }
 
 #[cfg(test)]

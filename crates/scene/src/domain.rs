@@ -243,7 +243,7 @@ impl Domain {
                 let mesh = coarse.refined(root.ceil().max(1.0) as u32, Family::Structured);
                 let corners = mesh.dimension + 1;
                 let centroid = vec![1.0 / corners as f64; corners];
-                (0..mesh.cell_count()).map(|c| mesh.point(mesh.cell(c), &centroid)).collect()
+                mesh.points_of(&mesh.cells(), &[centroid])
             }
         }
     }

@@ -44,10 +44,12 @@ pub(super) fn places<const D: usize>(coarse: &CoarseMesh, faces: &[BodyFace]) ->
         }
     };
     let places = |simplices: &[&[u32]], rule: &Rule, measure: &dyn Fn(usize) -> f64| {
-        let mut places =
-            Places { tests: vec![Vec::new(); (D + 1) * tests.len()], ..Places::default() };
+        let mut places = Places {
+            points: mesh.points_of(simplices, &rule.points),
+            tests: vec![Vec::new(); (D + 1) * tests.len()],
+            ..Places::default()
+        };
         for (s, &simplex) in simplices.iter().enumerate() {
-            places.points.extend(rule.points.iter().map(|b| mesh.point(simplex, b)));
             places.weights.extend(rule.weights.iter().map(|weight| weight * measure(s)));
             for (fields, v) in places.tests.chunks_mut(D + 1).zip(&tests) {
                 let value = |b: &Vec<f64>| {
@@ -62,9 +64,8 @@ pub(super) fn places<const D: usize>(coarse: &CoarseMesh, faces: &[BodyFace]) ->
         }
         places
     };
-    let cells: Vec<&[u32]> = (0..mesh.cell_count()).map(|c| mesh.cell(c)).collect();
     let facets: Vec<&[u32]> = (0..mesh.facet_side.len()).map(|f| mesh.facet(f)).collect();
-    let inside = places(&cells, &rule, &|c| measure(mesh, c));
+    let inside = places(&mesh.cells(), &rule, &|c| measure(mesh, c));
     let boundary = places(&facets, &side_rule, &|f| facet_measure(mesh, f));
     let normals = (0..facets.len()).flat_map(|f| vec![mesh.normal(f); side_rule.points.len()]);
     [inside, Places { normals: normals.collect(), ..boundary }]

@@ -138,11 +138,8 @@ fn contact_set(space: &Discretization, model: &Model, view: &StepView<'_>, truth
     if discrete == truth.locked {
         return 0.0;
     }
-    let mut points = Vec::with_capacity(discrete.len());
-    for f in facets {
-        let corners = space.mesh.facet(space.trace.mesh_facet[f] as usize);
-        points.extend(samples.iter().map(|b| space.mesh.point(corners, b)));
-    }
+    let corners = |f| space.mesh.facet(space.trace.mesh_facet[f] as usize);
+    let points = space.mesh.points_of(&facets.map(corners).collect::<Vec<_>>(), &samples);
     hausdorff(&points, &truth.locked, &discrete, diameter(space, &points))
 }
 

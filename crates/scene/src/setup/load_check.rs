@@ -9,7 +9,7 @@ use std::sync::Arc;
 
 use super::{Setup, side_numbers};
 use crate::{Data, Scene, Side};
-use exact::{Densities, Exact, ExactOnMesh, LoadForm, Truth};
+use exact::{Densities, Exact, ExactOnMesh, LoadForm, Truth, point_by_point};
 use fem::contact::{Discretization, LoadError};
 use fem::mesh::Mesh;
 use fem::space::quadrature::{Rule, TruthRules, edge, tetrahedron_product, triangle_degree_8};
@@ -163,7 +163,7 @@ impl Given<'_> {
             let points = mesh.points_of(simplices, &rule.points);
             let horizon = self.scene.time.horizon;
             let program = Program::compile(&self.scene.formulas, formulas, horizon);
-            Densities::by_points(&program.values(&points, t, 0.0))
+            point_by_point(&program.values(&points, t, 0.0))
         };
         let body = at(self.body, &mesh.cells(), &rules[0]);
         let count = mesh.dimension * rules[1].weights.len();

@@ -50,7 +50,7 @@ impl AnyProjection {
         Self(Box::new(projection))
     }
 
-    /// Onto the von Mises ball, compiled here: a crate that is built for speed.
+    /// [`VonMises`]. [`Self::new`] is compiled where it is called; this is compiled here, in a crate that is optimised.
     pub fn von_mises(mu: f64, limit: Box<dyn YieldLimit>) -> Self {
         Self::new(VonMises { mu, limit })
     }
