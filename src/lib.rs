@@ -41,7 +41,8 @@
 //! | `formula` | | [`formula`]: parsing, exact derivatives, hereditary integrals, evaluation in blocks |
 //! | `exact` | `formula`, `fem` without its laws and assembly | [`exact`]: exact fields and loads from formulas, and their verification |
 //! | `files` | | [`files`]: bounded reading, replacement that is whole or not at all |
-//! | `judge` | `files` | [`record`]: what one case produced, the waist between computing and judging; [`fit`]: orders with intervals; [`verdict`]: predictions judged |
+//! | `fit` | `files` | [`fit`]: orders with intervals |
+//! | `judge` | `files`, `fit` | [`record`]: what one case produced, the waist between computing and judging; [`verdict`]: predictions judged |
 //! | `report` | `judge`, `files` | [`report`]: pictures, page, PDF, LaTeX, JUnit |
 //! | `scene` | all above but `judge` and `report` | [`scene`]: scene files, as written and as validated; [`setup`]: a scene made computable, constants and hypotheses |
 //! | `guarantee` | all above but `judge` and `report` | [`studies::guarantee`]: a guaranteed bound of the error in space |
