@@ -58,3 +58,47 @@ impl ForceAtPoints {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mesh::{Family, lattice};
+    use crate::space::Element;
+    use crate::space::quadrature::{edge, tetrahedron_degree_5, triangle_degree_4};
+
+    fn totals_and_moments<const D: usize>(size: [f64; D], family: Family, rules: &[Rule; 2]) {
+        for element in [Element::P1, Element::P2] {
+            let mesh = lattice(size, 4, family);
+            let [top, bottom] = ["top", "bottom"].map(|name| mesh.side(name).expect("a side"));
+            let space = Discretization::of(element, mesh, &[bottom], &[]);
+            let inside = ForceAtPoints::in_cells(&space, &rules[0]);
+            let on_top = ForceAtPoints::on_side(&space, &rules[1], top);
+            for ((force, points), across) in [(inside, 0.5), (on_top, 1.0)] {
+                assert!(D == 3 || force.measures.iter().any(|size| *size != force.measures[0]));
+                let values: Vec<f64> = points.iter().map(|[x, ..]| 1.0 + 2.0 * x).collect();
+                let mut found = vec![0.0; space.nodes.len()];
+                force.add(1, &values, &mut found);
+                let (mut total, mut moment) = (0.0, 0.0);
+                for (node, &vertex) in found.chunks(D).zip(&space.nodes.vertex) {
+                    total += node[1];
+                    moment += node[1] * space.mesh.vertex(vertex)[0];
+                    assert!(node.iter().enumerate().all(|(i, f)| i == 1 || *f == 0.0));
+                }
+                // Rounding of a thousand terms below one.
+                assert!((total - 2.0 * across).abs() < 1e-13, "{element:?}: {total}");
+                assert!((moment - 7.0 / 6.0 * across).abs() < 1e-13, "{element:?}: {moment}");
+            }
+        }
+    }
+
+    /// Σ F_i and Σ F_i x_i are ∫ f and ∫ f x, because 1 and x are in the space: for f = 1 + 2x on 0 < x < 1, 2 and 7/6 times
+    /// the extent across; in the plane on cells and facets of different sizes.
+    #[test]
+    fn totals_and_moments_are_those_of_the_force() {
+        let graded = Family::Graded { corner: [0.0, 0.5], exponent: 2.0 };
+        totals_and_moments([1.0, 0.5], graded, &[triangle_degree_4(), edge(3)]);
+        let perturbed = Family::Perturbed { amplitude: 0.2, seed: 3, axes: [true, false, true] };
+        let rules = [tetrahedron_degree_5(), triangle_degree_4()];
+        totals_and_moments([1.0, 0.5, 1.0], perturbed, &rules);
+    }
+}
